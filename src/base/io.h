@@ -1,0 +1,81 @@
+// Files: read whole, replaced atomically, and opened only where a scene may read.
+#ifndef BASE_IO_H
+#define BASE_IO_H
+
+#include "base/arena.h"
+#include "base/str.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+// Why a file couldn't be had; io_error_text says it in words.
+typedef enum IoError {
+    IO_OK,
+    IO_NOT_FOUND,
+    IO_FORBIDDEN,   // permissions
+    IO_OUTSIDE,     // outside the sandbox, or a link leads out of it
+    IO_NOT_REGULAR, // a folder, device, FIFO, socket
+    IO_TOO_LARGE,
+    IO_FAILED,      // a read error; errno text in io_error_text
+    IO_NO_MEMORY,
+} IoError;
+
+const char *io_error_text(IoError error);
+
+typedef struct FileBytes {
+    char *bytes; // size bytes and a NUL after them
+    size_t size;
+    bool mapped;
+} FileBytes;
+
+// The folders below which a scene may read. Everything is resolved by the kernel with openat2's
+// RESOLVE_BENEATH (or by walking with O_NOFOLLOW where that is missing), so that neither "..", links
+// nor a race can lead out.
+typedef struct Sandbox {
+    struct SandboxRoot {
+        int fd;
+        char *path; // absolute, links resolved
+    } roots[16];
+    int root_count;
+    uint64_t max_file_bytes;
+    bool allow_all; // for the scene's own tools; never set from a scene
+} Sandbox;
+
+void sandbox_init(Sandbox *sandbox);
+void sandbox_free(Sandbox *sandbox);
+// Allows reading below `folder`. IO_OK, or why not.
+IoError sandbox_allow(Sandbox *sandbox, const char *folder);
+// Resolves `path`, relative to the folder of the file `from` (an absolute path; NULL: the first
+// root), to an absolute one inside the sandbox, in *out (arena). Only names are looked at; opening
+// checks again.
+IoError sandbox_resolve(const Sandbox *sandbox, Arena *arena, const char *from, Str path,
+                        const char **out);
+// Opens an absolute path for reading: a regular file inside the sandbox. Returns the descriptor in
+// *fd, its size in *size.
+IoError sandbox_open(const Sandbox *sandbox, const char *path, int *fd, uint64_t *size);
+// Reads a whole file; give it back with file_bytes_free.
+IoError sandbox_read(const Sandbox *sandbox, const char *path, FileBytes *out);
+// The same without a sandbox, for files that the user named on the command line ("-" is stdin).
+IoError file_read(const char *path, uint64_t max_bytes, FileBytes *out);
+void file_bytes_free(FileBytes *bytes);
+
+// A file that appears whole or not at all: written under a temporary name beside `path`, flushed to
+// the disk, then renamed over it.
+typedef struct AtomicFile {
+    char *path, *temporary;
+    FILE *stream; // write here
+} AtomicFile;
+// False, with a message in `error`, when it can't be created.
+bool atomic_file_open(AtomicFile *file, const char *path, char *error, size_t error_size);
+// Commits; false (with a message; the old file intact and nothing left behind) if any write failed.
+bool atomic_file_commit(AtomicFile *file, char *error, size_t error_size);
+void atomic_file_abandon(AtomicFile *file);
+// For writers that want a name, not a stream: makes the temporary name (arena), to be passed to the
+// writer and then to atomic_rename, which flushes and renames, or to atomic_discard.
+char *atomic_temporary_name(Arena *arena, const char *path);
+bool atomic_rename(const char *temporary, const char *path, char *error, size_t error_size);
+void atomic_discard(const char *temporary);
+
+#endif

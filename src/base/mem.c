@@ -1,0 +1,55 @@
+#include "base/mem.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+static _Atomic uint64_t allocations;
+static _Atomic uint64_t fail_from = UINT64_MAX;
+
+static bool may_allocate(size_t count, size_t size, size_t *bytes)
+{
+    if (__builtin_mul_overflow(count, size, bytes) || *bytes > PTRDIFF_MAX) {
+        return false;
+    }
+    if (*bytes == 0) {
+        *bytes = 1;
+    }
+    return atomic_fetch_add_explicit(&allocations, 1, memory_order_relaxed) <
+           atomic_load_explicit(&fail_from, memory_order_relaxed);
+}
+
+void *mem_alloc(size_t count, size_t size)
+{
+    size_t bytes;
+    return may_allocate(count, size, &bytes) ? malloc(bytes) : NULL;
+}
+
+void *mem_alloc_zeroed(size_t count, size_t size)
+{
+    size_t bytes;
+    return may_allocate(count, size, &bytes) ? calloc(1, bytes) : NULL;
+}
+
+void *mem_realloc(void *block, size_t count, size_t size)
+{
+    size_t bytes;
+    return may_allocate(count, size, &bytes) ? realloc(block, bytes) : NULL;
+}
+
+void mem_free(void *block)
+{
+    free(block);
+}
+
+void mem_fail_after(uint64_t more)
+{
+    uint64_t now = atomic_load_explicit(&allocations, memory_order_relaxed);
+    atomic_store_explicit(&fail_from, more > UINT64_MAX - now ? UINT64_MAX : now + more,
+                          memory_order_relaxed);
+}
+
+uint64_t mem_allocation_count(void)
+{
+    return atomic_load_explicit(&allocations, memory_order_relaxed);
+}

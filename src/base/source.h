@@ -1,0 +1,45 @@
+// Source files and places in them.
+#ifndef BASE_SOURCE_H
+#define BASE_SOURCE_H
+
+#include "base/arena.h"
+#include "base/str.h"
+
+// Bytes [begin, end) of source `file`. file = 0 is nowhere (the command line, a default).
+typedef struct Span {
+    uint32_t file, begin, end;
+} Span;
+
+typedef struct Source {
+    const char *path;   // as shown in diagnostics
+    const char *real;   // absolute, links resolved; names the file uniquely
+    Str text;           // whole content; mapped or in the arena
+    Span imported_at;   // the import that first brought it; file = 0 for the scene itself
+    uint32_t *lines;    // byte offset of each line's start, made on first need
+    uint32_t line_count;
+    bool mapped;        // text is to be unmapped by sources_free
+} Source;
+
+// All sources of one run; numbers count from 1. Owned by the caller; the arena keeps the entries.
+typedef struct Sources {
+    Arena *arena;
+    Source *items; // items[0] is unused
+    uint32_t count, capacity;
+} Sources;
+
+// Line and column count from 1; the column counts Unicode characters (code points), not bytes.
+typedef struct Place {
+    uint32_t line, column;
+} Place;
+
+void sources_init(Sources *sources, Arena *arena);
+void sources_free(Sources *sources);
+// Adds a source whose text outlives `sources`; its number, or 0 when memory runs out.
+uint32_t sources_add(Sources *sources, const char *path, const char *real, Str text,
+                     Span imported_at);
+const Source *source_get(const Sources *sources, uint32_t file);
+Place source_place(Sources *sources, uint32_t file, uint32_t offset);
+// The text of line `line` (from 1), without its end.
+Str source_line(Sources *sources, uint32_t file, uint32_t line);
+
+#endif

@@ -1,0 +1,154 @@
+// The syntax tree of one file: an array of small nodes and an array of extra words for lists, both
+// indexed by 32-bit numbers (after Zig's compiler). A million literal spheres make ten million nodes,
+// so a node has 20 bytes and no pointer.
+#ifndef LANG_AST_H
+#define LANG_AST_H
+
+#include "base/array.h"
+#include "base/diag.h"
+#include "base/source.h"
+#include "base/str.h"
+
+#include <string.h>
+
+typedef uint32_t AstId; // index into Ast.nodes; 0 is none
+
+// AST(tag, what `a` and `b` hold).  "list" is an index into Ast.extra where a count stands, followed
+// by that many words.
+#define AST_NODES(AST)                                                                             \
+    AST(NONE, "")                                                                                  \
+    AST(ERROR, "what could not be parsed; already reported")                                       \
+    /* items */                                                                                    \
+    AST(FILE, "a: list of items")                                                                  \
+    AST(IMPORT, "a: STRING node, b: symbol of the namespace; name span in extra[aux list]")        \
+    AST(PARAM, "a: symbol, b: extra -> {name_begin, name_end, type symbol, default, range, "       \
+               "description STRING or 0, type_begin, type_end}")                                   \
+    AST(LET, "a: symbol, b: extra -> {name_begin, name_end, value}")                               \
+    AST(FN, "a: symbol (0: anonymous), b: extra -> {name_begin, name_end, body, parameter list "   \
+            "index}; body is an expression or a BLOCK")                                            \
+    AST(PARAMETER, "a: symbol, b: default or 0")                                                   \
+    AST(FOR, "a: symbol, b: extra -> {name_begin, name_end, sequence, body}")                      \
+    AST(IF, "a: condition, b: extra -> {then, else or 0}; as item (BLOCKs) or expression")         \
+    AST(EMIT, "a: expression standing as a statement")                                             \
+    AST(BLOCK, "a: list of items")                                                                 \
+    /* expressions */                                                                              \
+    AST(NUMBER, "payload: double as written; aux: index of the unit + 1 in schema_units, 0 none")  \
+    AST(STRING, "a: symbol of the unescaped text")                                                 \
+    AST(COLOR, "a: 0xRRGGBB as written, sRGB-encoded")                                             \
+    AST(BOOL, "a: 0 or 1")                                                                         \
+    AST(NAME, "a: symbol")                                                                         \
+    AST(VECTOR, "a: list of 2 to 4 expressions")                                                   \
+    AST(LIST, "a: list of expressions or FORs and IFs (comprehensions)")                           \
+    AST(RANGE, "a, b: ends; aux 1: without the last (..<)")                                        \
+    AST(UNARY, "op, a: operand")                                                                   \
+    AST(BINARY, "op, a, b: operands")                                                              \
+    AST(INDEX, "a: value, b: index")                                                               \
+    AST(MEMBER, "a: value, b: symbol")                                                             \
+    AST(CALL, "a: callee, b: list of arguments (expressions or ARGUMENTs)")                        \
+    AST(ARGUMENT, "a: symbol, b: value: an argument by name; its name starts at begin")            \
+    AST(KIND, "a: symbol, b: list of FIELDs and items; the name starts at begin")                  \
+    AST(FIELD, "a: symbol, b: value; the name starts at begin")                                    \
+    AST(WITH, "a: value, b: list of FIELDs")
+
+typedef enum AstTag {
+#define AST(tag, doc) AST_##tag,
+    AST_NODES(AST)
+#undef AST
+        AST_TAG_COUNT
+} AstTag;
+
+// OPERATOR(id, text, binding power): larger binds tighter; POWER binds to the right.
+#define OPERATORS(OPERATOR)                                                                        \
+    OPERATOR(OR, "or", 1)                                                                          \
+    OPERATOR(AND, "and", 2)                                                                        \
+    OPERATOR(NOT, "not", 3)                                                                        \
+    OPERATOR(EQUAL, "==", 4)                                                                       \
+    OPERATOR(NOT_EQUAL, "!=", 4)                                                                   \
+    OPERATOR(LESS, "<", 4)                                                                         \
+    OPERATOR(LESS_EQUAL, "<=", 4)                                                                  \
+    OPERATOR(GREATER, ">", 4)                                                                      \
+    OPERATOR(GREATER_EQUAL, ">=", 4)                                                               \
+    OPERATOR(ADD, "+", 6)                                                                          \
+    OPERATOR(SUBTRACT, "-", 6)                                                                     \
+    OPERATOR(MULTIPLY, "*", 7)                                                                     \
+    OPERATOR(DIVIDE, "/", 7)                                                                       \
+    OPERATOR(MODULO, "%", 7)                                                                       \
+    OPERATOR(NEGATE, "-", 8)                                                                       \
+    OPERATOR(POWER, "^", 9)
+
+typedef enum Operator {
+#define OPERATOR(id, text, power) OP_##id,
+    OPERATORS(OPERATOR)
+#undef OPERATOR
+        OP_COUNT
+} Operator;
+
+typedef struct AstNode {
+    uint8_t tag; // AstTag
+    uint8_t op;  // Operator
+    uint16_t aux;
+    uint32_t begin, end; // bytes in the file
+    uint32_t a, b;
+} AstNode;
+
+// A comment, kept for the formatter: its bytes in the file, in order.
+typedef struct AstComment {
+    uint32_t begin, end;
+} AstComment;
+
+typedef ARRAY(AstNode) AstNodeArray;
+typedef ARRAY(uint32_t) AstWordArray;
+typedef ARRAY(AstComment) AstCommentArray;
+
+typedef struct Ast {
+    uint32_t file;          // number of the source
+    uint32_t version;       // of the header `scn N`; 0 if there is none
+    AstId root;             // a FILE node
+    AstNodeArray nodes;     // [0] is unused
+    AstWordArray extra;     // [0] is a count of 0: the empty list
+    AstCommentArray comments;
+} Ast;
+
+void ast_free(Ast *ast);
+
+static inline const AstNode *ast_node(const Ast *ast, AstId id)
+{
+    return &ast->nodes.items[id];
+}
+static inline double ast_number(const AstNode *node)
+{
+    double number;
+    memcpy(&number, &node->a, sizeof number);
+    return number;
+}
+static inline Span ast_span(const Ast *ast, AstId id)
+{
+    return (Span){ast->file, ast->nodes.items[id].begin, ast->nodes.items[id].end};
+}
+static inline uint32_t ast_list_count(const Ast *ast, uint32_t list)
+{
+    return ast->extra.items[list];
+}
+static inline const uint32_t *ast_list_items(const Ast *ast, uint32_t list)
+{
+    return ast->extra.items + list + 1;
+}
+
+const char *ast_tag_name(AstTag tag);   // "let", "kind", …
+const char *operator_text(Operator op); // "+", "and", …
+
+// Writes the tree as S-expressions with spans, one item a line group; ends with a newline.
+void ast_dump(const Ast *ast, const Interner *names, FILE *out);
+
+typedef struct ParseLimits {
+    uint32_t nesting; // deepest nesting of expressions and blocks
+} ParseLimits;
+
+// Parses the whole text of source `file` into *ast (to be given back with ast_free, also after
+// errors). Every error is reported to `sink`; parsing goes on after each at the next item, so that
+// one run reports several. True when there was none. Comments are kept only if `keep_comments`.
+// When memory runs out it reports E0001 and returns false.
+bool parse(Ast *ast, const Sources *sources, uint32_t file, Interner *names, ParseLimits limits,
+           bool keep_comments, DiagSink *sink);
+
+#endif

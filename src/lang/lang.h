@@ -1,0 +1,81 @@
+// The language: from a .scn file to a flat scene.
+#ifndef LANG_LANG_H
+#define LANG_LANG_H
+
+#include "base/diag.h"
+#include "base/io.h"
+#include "base/source.h"
+#include "scene/scene.h"
+#include "schema/schema.h"
+
+#include <stdio.h>
+
+// LIMIT(id, default, text): each can be raised on the command line with --limit id=N.
+#define LIMITS(LIMIT)                                                                              \
+    LIMIT(nesting, 200, "levels of nested expressions and blocks")                                 \
+    LIMIT(call_depth, 1000, "nested function calls")                                               \
+    LIMIT(import_depth, 32, "nested imports")                                                      \
+    LIMIT(file_bytes, 1 << 30, "bytes of one scene file")                                          \
+    LIMIT(list_length, 100000000, "items of one list or range")                                    \
+    LIMIT(objects, 100000000, "emitted shapes, lights and instances")                              \
+    LIMIT(steps, 20000000000, "evaluated expressions")                                             \
+    LIMIT(pixels, 1 << 30, "pixels of a picture")                                                  \
+    LIMIT(memory, (uint64_t)1 << 36, "bytes of memory of the evaluator")                           \
+    LIMIT(diagnostics, 100, "diagnostics shown")
+
+typedef struct Limits {
+#define LIMIT(id, value, text) uint64_t id;
+    LIMITS(LIMIT)
+#undef LIMIT
+} Limits;
+
+Limits limits_default(void);
+// "name=N"; false for an unknown name or a bad number.
+bool limits_set(Limits *limits, Str assignment);
+
+typedef struct ParamSetting { // --set name=value
+    Str name, value;          // value: an expression of literals ("9", "0.2m", "\"text\"", "#fff"),
+                              // a bare word is taken as a string
+} ParamSetting;
+
+// One run of the language: sources, names, diagnostics. Not for two threads at once, but two may run
+// side by side.
+typedef struct Lang {
+    Arena arena;      // names, paths, diagnostics
+    Sources sources;
+    Interner names;
+    DiagSink sink;
+    const Schema *schema;
+    Sandbox *sandbox; // not owned
+    Limits limits;
+    const ParamSetting *settings;
+    size_t setting_count;
+    FILE *print_to;   // where print() writes; NULL: nowhere
+} Lang;
+
+bool lang_init(Lang *lang, const Schema *schema, Sandbox *sandbox);
+void lang_free(Lang *lang);
+
+// Reads, parses, resolves and evaluates the file at `path` (absolute, inside the sandbox; shown as
+// `shown`) into *scene, which the caller has initialised. False when an error was reported; all
+// errors that can be found are. Whatever happens, `lang` and `scene` can be freed.
+bool lang_load(Lang *lang, const char *path, const char *shown, Scene *scene);
+// The same for text in memory, e.g. stdin and tests; `path` is what relative names start from.
+bool lang_load_text(Lang *lang, Str text, const char *path, const char *shown, Scene *scene);
+
+// For --dump: the tokens one a line; the AST as S-expressions. False when errors were reported.
+bool lang_dump_tokens(Lang *lang, const char *path, const char *shown, FILE *out);
+bool lang_dump_ast(Lang *lang, const char *path, const char *shown, FILE *out);
+
+// The declared `param`s of a file as a JSON array of {name, type, default, min, max, description},
+// with the values they have under `settings`.
+bool lang_params_json(Lang *lang, const char *path, const char *shown, FILE *out);
+
+// The built-in functions, for the manual and for completion.
+typedef struct BuiltinInfo {
+    const char *name, *signature, *doc;
+} BuiltinInfo;
+extern const BuiltinInfo *const lang_builtins;
+extern const size_t lang_builtin_count;
+
+#endif

@@ -1,0 +1,33 @@
+// What finds the radiance along a ray: one file a kind in integrators/, chosen by
+// `render { integrator: … }`.
+#ifndef RENDER_INTEGRATOR_H
+#define RENDER_INTEGRATOR_H
+
+#include "render/accel.h"
+#include "render/sampler.h"
+#include "render/world.h"
+
+// What the first hit says, for the arbitrary output variables; left as it is when nothing is hit.
+typedef struct AovSample {
+    Rgb albedo;
+    Vec3 normal, position;
+    double depth;            // along the camera's axis is the camera's business; here: distance
+    uint32_t object, material; // id + 1; 0: nothing
+} AovSample;
+
+typedef struct IntegratorStats {
+    uint64_t rays, shadow_rays, bad_samples; // bad: not finite or negative; counted and left out
+} IntegratorStats;
+
+typedef struct IntegratorClass {
+    const char *name; // as in render { integrator: "path" }
+    const char *doc;
+    // Incoming radiance along `ray` (W/m²/sr, linear Rec.709).  `aov` may be NULL. Thread-safe.
+    Rgb (*radiance)(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
+                    IntegratorStats *stats);
+} IntegratorClass;
+
+// INTEGRATOR(id) rows of nodes.def, NULL at the end.
+extern const IntegratorClass *const integrator_classes[];
+
+#endif
