@@ -11,12 +11,12 @@
 typedef struct ArenaBlock ArenaBlock;
 
 typedef struct Arena {
-    ArenaBlock *last;   // newest block; blocks are chained from new to old
-    char *next, *end;   // free part of the newest block
-    size_t reserved;    // bytes taken from the system, all blocks together
-    size_t limit;       // no more than this many bytes are reserved; 0 = no limit
-    jmp_buf *on_oom;    // where arena_alloc jumps (with value 1) when memory runs out; NULL: it
-                        // returns NULL instead. Not owned.
+    ArenaBlock *last; // newest block; blocks are chained from new to old
+    char *next, *end; // free part of the newest block
+    size_t reserved;  // bytes taken from the system, all blocks together
+    size_t limit;     // no more than this many bytes are reserved; 0 = no limit
+    jmp_buf *on_oom;  // where arena_alloc jumps (with value 1) when memory runs out; NULL: it
+                      // returns NULL instead. Not owned.
 } Arena;
 
 typedef struct ArenaMark {

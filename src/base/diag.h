@@ -49,12 +49,12 @@ typedef struct DiagNote {
 typedef struct Diag {
     DiagCode code;
     Severity severity;
-    Span at;                 // at.file = 0: nowhere in a source
-    const char *message;     // the headline
-    const char *label;       // under the carets; may be NULL
-    DiagNote *notes;         // in order
-    DiagFrame *frames;       // innermost first
-    Span fix_at;             // a change that would mend it, for editors; fix_text = NULL: none
+    Span at;             // at.file = 0: nowhere in a source
+    const char *message; // the headline
+    const char *label;   // under the carets; may be NULL
+    DiagNote *notes;     // in order
+    DiagFrame *frames;   // innermost first
+    Span fix_at;         // a change that would mend it, for editors; fix_text = NULL: none
     const char *fix_text;
 } Diag;
 
@@ -64,10 +64,11 @@ typedef struct DiagSink {
     Diag *items;
     uint32_t count, capacity;
     uint32_t errors, warnings;
-    uint32_t dropped;        // beyond the limit
-    uint32_t limit;          // most diagnostics kept
-    bool out_of_memory;      // a diagnostic could not be kept for want of memory
-    // A chain put on every diagnostic that is reported while it is set (the evaluator's call stack).
+    uint32_t dropped;   // beyond the limit
+    uint32_t limit;     // most diagnostics kept
+    bool out_of_memory; // a diagnostic could not be kept for want of memory
+    // A chain put on every diagnostic that is reported while it is set (the evaluator's call
+    // stack).
     DiagFrame *frames;
 } DiagSink;
 
@@ -76,9 +77,9 @@ enum { DIAG_DEFAULT_LIMIT = 100 };
 void diag_sink_init(DiagSink *sink, Arena *arena);
 void diag_sink_free(DiagSink *sink);
 
-// Adds a diagnostic and returns it, to be given a label, notes or a fix. Never returns NULL: past the
-// limit, or without memory, it is a spare one that is not kept (but still counted). The pointer is
-// good until the next diag_report. A second diagnostic with the same code and span is dropped.
+// Adds a diagnostic and returns it, to be given a label, notes or a fix. Never returns NULL: past
+// the limit, or without memory, it is a spare one that is not kept (but still counted). The pointer
+// is good until the next diag_report. A second diagnostic with the same code and span is dropped.
 Diag *diag_report(DiagSink *sink, DiagCode code, Span at, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 void diag_label(DiagSink *sink, Diag *diag, const char *format, ...)

@@ -18,7 +18,7 @@ typedef enum IoError {
     IO_OUTSIDE,     // outside the sandbox, or a link leads out of it
     IO_NOT_REGULAR, // a folder, device, FIFO, socket
     IO_TOO_LARGE,
-    IO_FAILED,      // a read error; errno text in io_error_text
+    IO_FAILED, // a read error; errno text in io_error_text
     IO_NO_MEMORY,
 } IoError;
 
@@ -31,8 +31,8 @@ typedef struct FileBytes {
 } FileBytes;
 
 // The folders below which a scene may read. Everything is resolved by the kernel with openat2's
-// RESOLVE_BENEATH (or by walking with O_NOFOLLOW where that is missing), so that neither "..", links
-// nor a race can lead out.
+// RESOLVE_BENEATH (or by walking with O_NOFOLLOW where that is missing), so that neither "..",
+// links nor a race can lead out.
 typedef struct Sandbox {
     struct SandboxRoot {
         int fd;

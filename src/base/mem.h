@@ -1,5 +1,5 @@
-// Memory from the C library. This is the only file that calls malloc, realloc and free (shims around
-// other people's libraries excepted), so that a test can make every allocation fail in turn.
+// Memory from the C library. This is the only file that calls malloc, realloc and free (shims
+// around other people's libraries excepted), so that a test can make every allocation fail in turn.
 #ifndef BASE_MEM_H
 #define BASE_MEM_H
 

@@ -11,13 +11,13 @@ typedef struct Span {
 } Span;
 
 typedef struct Source {
-    const char *path;   // as shown in diagnostics
-    const char *real;   // absolute, links resolved; names the file uniquely
-    Str text;           // whole content; mapped or in the arena
-    Span imported_at;   // the import that first brought it; file = 0 for the scene itself
-    uint32_t *lines;    // byte offset of each line's start, made on first need
+    const char *path; // as shown in diagnostics
+    const char *real; // absolute, links resolved; names the file uniquely
+    Str text;         // whole content; mapped or in the arena
+    Span imported_at; // the import that first brought it; file = 0 for the scene itself
+    uint32_t *lines;  // byte offset of each line's start, made on first need
     uint32_t line_count;
-    bool mapped;        // text is to be unmapped by sources_free
+    bool mapped; // text is to be unmapped by sources_free
 } Source;
 
 // All sources of one run; numbers count from 1. Owned by the caller; the arena keeps the entries.

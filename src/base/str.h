@@ -32,10 +32,10 @@ static inline bool str_equal(Str a, Str b)
 typedef uint32_t Symbol;
 
 typedef struct Interner {
-    Arena *arena;      // owns the names' bytes; not owned
-    Str *names;        // by symbol
-    uint32_t *slots;   // open addressing; 0 = free
-    uint32_t *hashes;  // by symbol
+    Arena *arena;     // owns the names' bytes; not owned
+    Str *names;       // by symbol
+    uint32_t *slots;  // open addressing; 0 = free
+    uint32_t *hashes; // by symbol
     uint32_t count, capacity, slot_mask;
 } Interner;
 

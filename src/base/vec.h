@@ -194,8 +194,8 @@ double affine_determinant(const Affine *a);
 bool affine_inverse(const Affine *a, Affine *out);
 Affine affine_translation(Vec3 by);
 Affine affine_scaling(Vec3 by);
-// A rotation by `angle` radians about the axis through the origin (Rodrigues), counter-clockwise seen
-// against the axis; axis need not be of unit length but must not be zero.
+// A rotation by `angle` radians about the axis through the origin (Rodrigues), counter-clockwise
+// seen against the axis; axis need not be of unit length but must not be zero.
 Affine affine_rotation(Vec3 axis, double angle);
 // A map whose -z axis looks from `eye` towards `target`, +y as near to up as can be: a camera's own
 // frame to the world. False when eye = target or up is parallel.

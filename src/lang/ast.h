@@ -1,6 +1,6 @@
 // The syntax tree of one file: an array of small nodes and an array of extra words for lists, both
-// indexed by 32-bit numbers (after Zig's compiler). A million literal spheres make ten million nodes,
-// so a node has 20 bytes and no pointer.
+// indexed by 32-bit numbers (after Zig's compiler). A million literal spheres make ten million
+// nodes, so a node has 20 bytes and no pointer.
 #ifndef LANG_AST_H
 #define LANG_AST_H
 
@@ -13,8 +13,8 @@
 
 typedef uint32_t AstId; // index into Ast.nodes; 0 is none
 
-// AST(tag, what `a` and `b` hold).  "list" is an index into Ast.extra where a count stands, followed
-// by that many words.
+// AST(tag, what `a` and `b` hold).  "list" is an index into Ast.extra where a count stands,
+// followed by that many words.
 #define AST_NODES(AST)                                                                             \
     AST(NONE, "")                                                                                  \
     AST(ERROR, "what could not be parsed; already reported")                                       \
@@ -101,11 +101,11 @@ typedef ARRAY(uint32_t) AstWordArray;
 typedef ARRAY(AstComment) AstCommentArray;
 
 typedef struct Ast {
-    uint32_t file;          // number of the source
-    uint32_t version;       // of the header `scn N`; 0 if there is none
-    AstId root;             // a FILE node
-    AstNodeArray nodes;     // [0] is unused
-    AstWordArray extra;     // [0] is a count of 0: the empty list
+    uint32_t file;      // number of the source
+    uint32_t version;   // of the header `scn N`; 0 if there is none
+    AstId root;         // a FILE node
+    AstNodeArray nodes; // [0] is unused
+    AstWordArray extra; // [0] is a count of 0: the empty list
     AstCommentArray comments;
 } Ast;
 

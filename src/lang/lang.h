@@ -38,10 +38,10 @@ typedef struct ParamSetting { // --set name=value
                               // a bare word is taken as a string
 } ParamSetting;
 
-// One run of the language: sources, names, diagnostics. Not for two threads at once, but two may run
-// side by side.
+// One run of the language: sources, names, diagnostics. Not for two threads at once, but two may
+// run side by side.
 typedef struct Lang {
-    Arena arena;      // names, paths, diagnostics
+    Arena arena; // names, paths, diagnostics
     Sources sources;
     Interner names;
     DiagSink sink;
@@ -50,7 +50,7 @@ typedef struct Lang {
     Limits limits;
     const ParamSetting *settings;
     size_t setting_count;
-    FILE *print_to;   // where print() writes; NULL: nowhere
+    FILE *print_to; // where print() writes; NULL: nowhere
 } Lang;
 
 bool lang_init(Lang *lang, const Schema *schema, Sandbox *sandbox);

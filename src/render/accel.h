@@ -8,24 +8,24 @@ typedef struct Accel Accel;
 
 typedef struct Hit {
     double t;
-    uint32_t shape;     // id of the shape's node
-    uint32_t instance;  // index into scene->instances, or NONE_ID in the world
+    uint32_t shape;    // id of the shape's node
+    uint32_t instance; // index into scene->instances, or NONE_ID in the world
     ShapeHit local;
 } Hit;
 
 // A point of a surface in the world, ready for shading.
 typedef struct Surface {
     Vec3 p;
-    Vec3 geometric;     // unit, towards the shape's front side (outwards), whichever side was hit
-    Vec3 shading;       // unit, on the same side as geometric
-    Vec3 tangent;       // dp/du in the world, not normalized
-    Vec3 object_p;      // p in the shape's own space, for textures of object space
+    Vec3 geometric; // unit, towards the shape's front side (outwards), whichever side was hit
+    Vec3 shading;   // unit, on the same side as geometric
+    Vec3 tangent;   // dp/du in the world, not normalized
+    Vec3 object_p;  // p in the shape's own space, for textures of object space
     Vec2 uv;
-    Rgb color;          // vertex color
-    double error;       // bound on the distance from p to the surface, in the world
+    Rgb color;    // vertex color
+    double error; // bound on the distance from p to the surface, in the world
     uint32_t shape, instance, primitive;
-    uint32_t material;  // the shape's own, else its instance's; NONE_ID: the default material
-    bool front;         // the ray came from the front side
+    uint32_t material; // the shape's own, else its instance's; NONE_ID: the default material
+    bool front;        // the ray came from the front side
 } Surface;
 
 // What is wrong with geometry, counted when it was built: see accel_report.
@@ -41,7 +41,8 @@ AccelIssues accel_issues(const Accel *accel);
 // The box of all bounded shapes in the world; empty if there are none.
 Box3 accel_bounds(const Accel *accel);
 
-// The nearest hit with tmin < t < tmax. ray->direction is of unit length. Thread-safe, as all below.
+// The nearest hit with tmin < t < tmax. ray->direction is of unit length. Thread-safe, as all
+// below.
 bool accel_intersect(const Accel *accel, const Ray *ray, Hit *hit);
 // True when anything is hit.
 bool accel_occluded(const Accel *accel, const Ray *ray);

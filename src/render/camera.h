@@ -8,15 +8,15 @@
 // The `camera` kind's fields, as written and as derived by its finish.
 typedef struct CameraParams {
     Vec3 position, look_at, direction, up;
-    double fov;            // vertical, radians
-    int32_t projection;    // CAMERA_PERSPECTIVE, …
-    double height;         // of the view volume: orthographic
-    double aperture;       // radius of the lens, m; 0: a pinhole
+    double fov;         // vertical, radians
+    int32_t projection; // CAMERA_PERSPECTIVE, …
+    double height;      // of the view volume: orthographic
+    double aperture;    // radius of the lens, m; 0: a pinhole
     double f_stop, focal_length;
     double focus_distance; // from the lens to the plane in focus, m
     Vec3 focus_at;
     // derived
-    Affine to_world;       // camera frame: looks along -z, +y up, +x right; node transform included
+    Affine to_world; // camera frame: looks along -z, +y up, +x right; node transform included
 } CameraParams;
 
 enum { CAMERA_PERSPECTIVE, CAMERA_ORTHOGRAPHIC };

@@ -11,7 +11,7 @@
 typedef struct AovSample {
     Rgb albedo;
     Vec3 normal, position;
-    double depth;            // along the camera's axis is the camera's business; here: distance
+    double depth;              // along the camera's axis is the camera's business; here: distance
     uint32_t object, material; // id + 1; 0: nothing
 } AovSample;
 

@@ -1,7 +1,7 @@
 // What the renderer knows of a kind of shape: one file a kind in shapes/, one row in nodes.def.
 //
-// A shape lives in its own space, where its parameters are. Its node's transform leads from there to
-// the space of its prototype (the world, for prototype 0). Everything here is in the shape's own
+// A shape lives in its own space, where its parameters are. Its node's transform leads from there
+// to the space of its prototype (the world, for prototype 0). Everything here is in the shape's own
 // space, in double.
 #ifndef RENDER_SHAPE_H
 #define RENDER_SHAPE_H
@@ -24,13 +24,13 @@ typedef struct ShapeHit {
 
 // Geometry at a point of a surface, in the shape's own space.
 typedef struct ShapePoint {
-    Vec3 p;            // on the surface (projected back onto it, not origin + t direction)
-    Vec3 geometric;    // unit normal, outwards; the front side
-    Vec3 shading;      // unit; differs from geometric on smooth meshes
-    Vec3 tangent;      // dp/du, not normalized; any tangent where uv is degenerate
+    Vec3 p;         // on the surface (projected back onto it, not origin + t direction)
+    Vec3 geometric; // unit normal, outwards; the front side
+    Vec3 shading;   // unit; differs from geometric on smooth meshes
+    Vec3 tangent;   // dp/du, not normalized; any tangent where uv is degenerate
     Vec2 uv;
-    Rgb color;         // vertex color; white where there is none
-    double error;      // bound on the distance from p to the true surface
+    Rgb color;    // vertex color; white where there is none
+    double error; // bound on the distance from p to the true surface
 } ShapePoint;
 
 // A point chosen on a shape's surface.
@@ -51,7 +51,7 @@ typedef enum ShapeHolding {
 typedef struct ShapeClass {
     NodeType node; // first: a ShapeClass is a NodeType
     ShapeHolding holding;
-    bool closed;   // encloses a volume (for glass, media, CSG, "light inside" warnings)
+    bool closed; // encloses a volume (for glass, media, CSG, "light inside" warnings)
     Box3 (*bounds)(const Scene *scene, const void *params);
     // The nearest hit with ray->tmin < t < ray->tmax; the direction need not be of unit length.
     bool (*intersect)(const void *params, const Ray *ray, ShapeHit *hit);
@@ -62,20 +62,21 @@ typedef struct ShapeClass {
     int (*corners)(const void *params, Vec3 out[4]);
     // Surface area under `to_world` (its linear part; non-uniform scaling counts), for emitters.
     double (*area)(const Scene *scene, const void *params, const Affine *to_world);
-    // A point uniform by area in the world under `to_world`, from three numbers in [0,1); pdf by world
-    // area; the point's fields are in the world. `table` is what prepare_sampling made.
+    // A point uniform by area in the world under `to_world`, from three numbers in [0,1); pdf by
+    // world area; the point's fields are in the world. `table` is what prepare_sampling made.
     void (*sample_area)(const Scene *scene, const void *params, const Affine *to_world,
                         const void *table, double u0, double u1, double u2, ShapeSample *out);
-    // Better than by area where it can be: by solid angle seen from `reference` (world). NULL, or false
-    // where it doesn't apply (reference on or inside, non-uniform transform): the caller then uses
-    // sample_area. pdf by solid angle.
-    bool (*sample_solid_angle)(const void *params, const Affine *to_world, Vec3 reference, double u0,
-                               double u1, ShapeSample *out);
+    // Better than by area where it can be: by solid angle seen from `reference` (world). NULL, or
+    // false where it doesn't apply (reference on or inside, non-uniform transform): the caller then
+    // uses sample_area. pdf by solid angle.
+    bool (*sample_solid_angle)(const void *params, const Affine *to_world, Vec3 reference,
+                               double u0, double u1, ShapeSample *out);
     // The solid-angle pdf with which sample_solid_angle would choose `direction` (unit, world) that
     // hits the shape; 0 where it wouldn't apply.
     double (*solid_angle_pdf)(const void *params, const Affine *to_world, Vec3 reference,
                               Vec3 direction);
-    // A table for sample_area (areas of a mesh's triangles), in `arena`; NULL function: none needed.
+    // A table for sample_area (areas of a mesh's triangles), in `arena`; NULL function: none
+    // needed.
     void *(*prepare_sampling)(const Scene *scene, const void *params, const Affine *to_world,
                               Arena *arena);
 } ShapeClass;

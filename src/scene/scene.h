@@ -1,5 +1,5 @@
-// The flat scene: arrays and integer ids, no pointers between nodes. What the evaluator, an importer
-// or a program makes, and what the renderer and the exporters read.
+// The flat scene: arrays and integer ids, no pointers between nodes. What the evaluator, an
+// importer or a program makes, and what the renderer and the exporters read.
 #ifndef SCENE_SCENE_H
 #define SCENE_SCENE_H
 
@@ -13,7 +13,7 @@
 // One shape, material, texture, light, falloff, attenuation or camera. Its parameters are the
 // `index`th struct of scene->tables[type].
 typedef struct SceneNode {
-    uint16_t type;      // number in the schema
+    uint16_t type; // number in the schema
     uint16_t flags;
     uint32_t index;     // slot in tables[type]
     uint32_t transform; // index into scene->transforms; 0 is the identity
@@ -25,7 +25,8 @@ typedef struct SceneNode {
 
 // SceneNode.flags
 enum {
-    NODE_LIGHT_ONLY = 1, // a shape that stands in an area_light only: it is seen, but was not emitted
+    NODE_LIGHT_ONLY =
+        1, // a shape that stands in an area_light only: it is seen, but was not emitted
 };
 
 typedef struct SceneTable {
@@ -90,9 +91,9 @@ typedef struct Scene {
     SceneInstanceArray instances;
     MeshArray meshes;
     SceneParamArray params;
-    Sandbox *sandbox;                     // through which files are opened; not owned
-    uint64_t hash;                        // of the sources' bytes and the parameters
-    uint32_t camera;                      // id of the camera to use, or NONE_ID
+    Sandbox *sandbox; // through which files are opened; not owned
+    uint64_t hash;    // of the sources' bytes and the parameters
+    uint32_t camera;  // id of the camera to use, or NONE_ID
 } Scene;
 
 // False when memory runs out. `schema` and `sandbox` must outlive the scene.

@@ -1,6 +1,6 @@
 // The schema: which kinds there are, which fields each takes, of what type, dimension, range and
-// default. One table, for the evaluator's checks, did-you-mean, `explain`, the generated manual, the
-// JSON dump of a scene, the exporters and the editors.
+// default. One table, for the evaluator's checks, did-you-mean, `explain`, the generated manual,
+// the JSON dump of a scene, the exporters and the editors.
 //
 // A kind is a NodeType; its fields are Params. A Param says where its value lies in the kind's
 // parameter struct, so that filling, dumping and comparing parameters needs no code for a kind.
@@ -102,8 +102,8 @@ typedef struct PairTex {
     Vec2 value;
     uint32_t texture;
 } PairTex;
-// Radiance or irradiance: a number (bare or photometric), to be multiplied by the light's color; or a
-// color in SI; or a texture.
+// Radiance or irradiance: a number (bare or photometric), to be multiplied by the light's color; or
+// a color in SI; or a texture.
 typedef struct Emission {
     Rgb value;        // a number is spread over the three
     uint32_t dim;     // DIM_NONE, or the photometric dimension of a number
@@ -141,8 +141,8 @@ typedef struct StringList {
 #define PARAM_TYPES(PARAM_TYPE)                                                                    \
     PARAM_TYPE(BOOL, bool, "bool")                                                                 \
     PARAM_TYPE(INT, int64_t, "whole number")                                                       \
-    PARAM_TYPE(NUMBER, double, "number")              /* of Param.dims[0] */                       \
-    PARAM_TYPE(QUANTITY, Quantity, "quantity")        /* of any of Param.dims */                   \
+    PARAM_TYPE(NUMBER, double, "number")       /* of Param.dims[0] */                              \
+    PARAM_TYPE(QUANTITY, Quantity, "quantity") /* of any of Param.dims */                          \
     PARAM_TYPE(PAIR, Vec2, "number or pair")                                                       \
     PARAM_TYPE(VEC2, Vec2, "vector of 2")                                                          \
     PARAM_TYPE(VEC3, Vec3, "vector of 3")                                                          \
@@ -152,9 +152,9 @@ typedef struct StringList {
     PARAM_TYPE(PAIR_TEX, PairTex, "number, pair or texture")                                       \
     PARAM_TYPE(COLOR_TEX, ColorTex, "color or texture")                                            \
     PARAM_TYPE(STRING, const char *, "string")                                                     \
-    PARAM_TYPE(CHOICE, int32_t, "one of a list")      /* index into Param.choices */               \
-    PARAM_TYPE(FILE, const char *, "file")            /* path from which to open it */             \
-    PARAM_TYPE(NODE, uint32_t, "node")                /* id of Param.category, or NONE_ID */       \
+    PARAM_TYPE(CHOICE, int32_t, "one of a list") /* index into Param.choices */                    \
+    PARAM_TYPE(FILE, const char *, "file")       /* path from which to open it */                  \
+    PARAM_TYPE(NODE, uint32_t, "node")           /* id of Param.category, or NONE_ID */            \
     PARAM_TYPE(NUMBER_LIST, NumberList, "list of numbers")                                         \
     PARAM_TYPE(VEC2_LIST, Vec2List, "list of vectors of 2")                                        \
     PARAM_TYPE(VEC3_LIST, Vec3List, "list of vectors of 3")                                        \
@@ -174,21 +174,21 @@ const char *param_type_name(ParamType type);
 
 typedef enum ParamFlags {
     PARAM_REQUIRED = 1,
-    PARAM_NO_DEFAULT = 2,    // may be left out, and then counts as not set (see NodeFinish.set)
-    PARAM_EXCLUDE_MIN = 4,   // the value must be greater than min
+    PARAM_NO_DEFAULT = 2,  // may be left out, and then counts as not set (see NodeFinish.set)
+    PARAM_EXCLUDE_MIN = 4, // the value must be greater than min
     PARAM_EXCLUDE_MAX = 8,
-    PARAM_UNIT_VECTOR = 16,  // a direction: must not be zero; stored normalized
+    PARAM_UNIT_VECTOR = 16, // a direction: must not be zero; stored normalized
 } ParamFlags;
 
 typedef struct Param {
     const char *name;
     ParamType type;
-    size_t offset;           // of the value in the kind's parameter struct
+    size_t offset; // of the value in the kind's parameter struct
     uint32_t flags;
-    uint32_t dims;           // DIM_BIT()s that a number may have; a bare number is taken in the SI
-                             // unit of the field (documented in `si`) unless only DIM_ANGLE is set
-    const char *si;          // the unit of a bare number where it isn't the dimension's own ("W/sr")
-    double min, max;         // inclusive range of each component; both 0: any finite number
+    uint32_t dims;   // DIM_BIT()s that a number may have; a bare number is taken in the SI
+                     // unit of the field (documented in `si`) unless only DIM_ANGLE is set
+    const char *si;  // the unit of a bare number where it isn't the dimension's own ("W/sr")
+    double min, max; // inclusive range of each component; both 0: any finite number
     // The default as it would be written in a scene: "1", "rgb(1, 1, 1)", "40deg", "(0, 1, 0)",
     // "\"perspective\"", "lambert {}". NULL with PARAM_REQUIRED or PARAM_NO_DEFAULT.
     const char *default_text;
@@ -198,7 +198,8 @@ typedef struct Param {
 } Param;
 
 // For tables: PARAM_FIELD(Sphere, radius) gives offset; use with designated initialisers, e.g.
-//     {.name = "radius", .type = PARAM_NUMBER, PARAM_AT(Sphere, radius), .dims = DIM_BIT(DIM_LENGTH),
+//     {.name = "radius", .type = PARAM_NUMBER, PARAM_AT(Sphere, radius), .dims =
+//     DIM_BIT(DIM_LENGTH),
 //      .min = 0, .max = INFINITY, .flags = PARAM_EXCLUDE_MIN, .default_text = "1", .doc = "…"}
 #define PARAM_AT(Struct, member) .offset = offsetof(Struct, member)
 
@@ -219,7 +220,7 @@ typedef struct NodeFinish {
     Diag *(*report)(struct NodeFinish *self, int param, DiagCode code, const char *format, ...)
         __attribute__((format(printf, 4, 5)));
     DiagSink *sink;
-    void *caller;        // the evaluator's own
+    void *caller; // the evaluator's own
 } NodeFinish;
 
 // How the language treats a kind beyond filling its fields.
@@ -233,13 +234,13 @@ struct NodeType {
     const char *name;
     Category category;
     NodeRole role;
-    const Param *params;      // at most 60, and not the common ones (below)
+    const Param *params; // at most 60, and not the common ones (below)
     size_t param_count;
-    size_t size;              // of the parameter struct
-    bool internal;            // can't be written in a scene (made by texture arithmetic, …)
-    const char *doc;          // a sentence or two
-    const char *formula;      // plain text, with its source; may be NULL
-    const char *example;      // a few lines of scn; may be NULL
+    size_t size;         // of the parameter struct
+    bool internal;       // can't be written in a scene (made by texture arithmetic, …)
+    const char *doc;     // a sentence or two
+    const char *formula; // plain text, with its source; may be NULL
+    const char *example; // a few lines of scn; may be NULL
     // Checks what a table can't (one of two fields, no zero edge, …) and derives what the renderer
     // wants (min and max from center and size, …). May be NULL. False: the node is not to be kept,
     // which needs at least one error reported.
@@ -259,8 +260,8 @@ uint32_t category_common_fields(Category category);
 const char *common_field_name(CommonField field);
 const char *common_field_doc(CommonField field);
 
-// All kinds of a program; made once by whoever links them (render/nodes.c) and passed down. Types are
-// numbered by their place.
+// All kinds of a program; made once by whoever links them (render/nodes.c) and passed down. Types
+// are numbered by their place.
 typedef struct Schema {
     const NodeType *const *types;
     size_t type_count;
@@ -275,7 +276,8 @@ const char *schema_suggest_type(const Schema *schema, Str name, Category categor
 // The nearest field (common ones included) of a kind, or NULL.
 const char *node_type_suggest_param(const NodeType *type, Str name);
 // Checks a table for the mistakes that people make in tables (names twice, offsets beyond the
-// struct, missing docs, more than 60 parameters). NULL if it is sound, else what is wrong; for tests.
+// struct, missing docs, more than 60 parameters). NULL if it is sound, else what is wrong; for
+// tests.
 const char *schema_check(const Schema *schema);
 
 #endif
