@@ -101,12 +101,18 @@ bool scene_init(Scene *scene, const Schema *schema, Sandbox *sandbox);
 void scene_free(Scene *scene);
 
 // Each returns the new id, or NONE_ID when memory runs out.
-// Appends a node with a copy of its parameter struct; its category follows from the type.
+// Appends a node with a copy of its parameter struct; its category follows from the type, and
+// node.type and node.index are filled in. A light gets the color white; the caller may change it in
+// light_colors. A shape is counted in its prototype. The other ids in `node` must be valid.
 uint32_t scene_add_node(Scene *scene, uint16_t type, const void *params, SceneNode node);
-// A transform and its inverse. NONE_ID also if the map is singular. The identity is always 0.
+// A transform and its inverse. NONE_ID also if the map is singular or not finite (affine_inverse
+// tells which). The identity is always 0; a transform equal to the last one shares its id.
 uint32_t scene_add_transform(Scene *scene, const Affine *transform);
+// A copy; "" is always 0, and a name equal to the last one shares its id.
 uint32_t scene_add_name(Scene *scene, Str name);
 uint32_t scene_add_prototype(Scene *scene, uint32_t name, Span at);
+uint32_t scene_add_instance(Scene *scene, SceneInstance instance);
+// The mesh's arrays must live as long as the scene: in its arena.
 uint32_t scene_add_mesh(Scene *scene, Mesh mesh);
 
 static inline const SceneNode *scene_node(const Scene *scene, Category category, uint32_t id)

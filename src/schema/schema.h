@@ -267,7 +267,8 @@ typedef struct Schema {
     size_t type_count;
 } Schema;
 
-// The number of the kind called `name`, or -1.
+// The number of the kind called `name`, or -1. Internal kinds are found, too: whoever reads scenes
+// refuses them.
 int schema_find(const Schema *schema, Str name);
 // The index of the parameter called `name`, or -1.
 int node_type_find_param(const NodeType *type, Str name);
@@ -276,8 +277,8 @@ const char *schema_suggest_type(const Schema *schema, Str name, Category categor
 // The nearest field (common ones included) of a kind, or NULL.
 const char *node_type_suggest_param(const NodeType *type, Str name);
 // Checks a table for the mistakes that people make in tables (names twice, offsets beyond the
-// struct, missing docs, more than 60 parameters). NULL if it is sound, else what is wrong; for
-// tests.
-const char *schema_check(const Schema *schema);
+// struct, values that overlap, empty ranges, missing docs, more than 60 parameters). NULL if it is
+// sound, else `message`, which then says what is wrong; for tests.
+const char *schema_check(const Schema *schema, char *message, size_t message_size);
 
 #endif

@@ -1,0 +1,102 @@
+#include "base/module.h"
+
+#include <dlfcn.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct Search {
+    const char *name;
+    void *module;
+    char *message;
+    size_t message_size, length;
+    bool found; // a file was there, but the loader refused it
+} Search;
+
+static void say(Search *search, const char *text)
+{
+    size_t room = search->message_size - search->length;
+    int written = search->message_size > search->length
+                      ? snprintf(search->message + search->length, room, "%s", text)
+                      : 0;
+    search->length += written < 0 ? 0 : (size_t)written < room ? (size_t)written : room - 1;
+}
+
+// True when the search is over: the module is there, for better or worse.
+static bool try_folder(Search *search, const char *folder, size_t length, const char *below)
+{
+    char path[PATH_MAX];
+    int wanted =
+        snprintf(path, sizeof path, "%.*s%s/%s.so", (int)length, folder, below, search->name);
+    if (length == 0 || length >= PATH_MAX || wanted < 0 || (size_t)wanted >= sizeof path) {
+        return false;
+    }
+    if (access(path, F_OK) != 0) {
+        say(search, search->length ? ", " : "no such module in ");
+        path[(size_t)wanted - strlen(search->name) - strlen("/.so")] = '\0';
+        say(search, path);
+        return false;
+    }
+    // Its own symbols first: a library must not be bound to a function of ours by its name.
+    search->module = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    if (!search->module) {
+        const char *error = dlerror();
+        search->length = 0;
+        say(search, error ? error : "the loader refused it");
+    }
+    search->found = true;
+    return true;
+}
+
+static bool try_list(Search *search, const char *list)
+{
+    while (list && *list) {
+        size_t length = strcspn(list, ":");
+        if (try_folder(search, list, length, "")) {
+            return true;
+        }
+        list += length + (list[length] == ':');
+    }
+    return false;
+}
+
+void *module_open(const char *name, char *message, size_t message_size)
+{
+    Search search = {.name = name, .message = message, .message_size = message_size};
+    if (message_size) {
+        message[0] = '\0';
+    }
+    if (!*name || strchr(name, '/')) {
+        say(&search, "not the name of a module");
+        return NULL;
+    }
+    if (try_list(&search, secure_getenv("SCNRENDER_MODULES"))) {
+        return search.module;
+    }
+    char program[PATH_MAX];
+    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    while (length > 0 && program[length - 1] != '/') {
+        --length;
+    }
+    if (length <= 1) {
+        say(&search, search.length ? "" : "the program's own folder is unknown");
+        return NULL;
+    }
+    static const char *const below[] = {"/../lib/scnrender", "/../lib64/scnrender",
+                                        "/../lib/x86_64-linux-gnu/scnrender",
+                                        "/../lib/aarch64-linux-gnu/scnrender"};
+    for (size_t i = 0; i < sizeof below / sizeof below[0]; ++i) {
+        if (try_folder(&search, program, (size_t)length - 1, below[i])) {
+            break;
+        }
+    }
+    return search.module;
+}
+
+void *module_symbol(void *module, const char *symbol)
+{
+    return dlsym(module, symbol);
+}

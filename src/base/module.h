@@ -1,0 +1,19 @@
+// Shared libraries that are loaded on first use, because loading them costs more than most runs
+// need: `scn_oiio` (images) and `scn_assimp` (meshes).
+#ifndef BASE_MODULE_H
+#define BASE_MODULE_H
+
+#include <stddef.h>
+
+// Loads NAME.so, where `name` is a bare name ("scn_assimp"), from the first of these folders that
+// has it: those of $SCNRENDER_MODULES (separated by colons; ignored for programs with raised
+// rights), then lib/scnrender, lib64/scnrender and lib/TRIPLET/scnrender beside the folder of the
+// running program. Loading it again is cheap and gives the same handle; it stays loaded until the
+// program ends, so there is nothing to give back. May be called from any thread. NULL, with a
+// message that names the places tried or the loader's complaint.
+void *module_open(const char *name, char *message, size_t message_size);
+
+// The address of a symbol of a loaded module; NULL where there is none.
+void *module_symbol(void *module, const char *symbol);
+
+#endif
