@@ -23,20 +23,25 @@ typedef enum IoError {
 } IoError;
 
 const char *io_error_text(IoError error);
+// The nearest IoError to a value of errno.
+IoError io_error_from_errno(int code);
 
 typedef struct FileBytes {
     char *bytes; // size bytes and a NUL after them
     size_t size;
+    // In pages of its own rather than on the heap. They hold a copy: a mapping of the file itself
+    // would crash the program when somebody shortens the file while it is read.
     bool mapped;
 } FileBytes;
 
 // The folders below which a scene may read. Everything is resolved by the kernel with openat2's
 // RESOLVE_BENEATH (or by walking with O_NOFOLLOW where that is missing), so that neither "..",
-// links nor a race can lead out.
+// links nor a race can lead out. A link that leads to another place inside is followed.
 typedef struct Sandbox {
     struct SandboxRoot {
         int fd;
-        char *path; // absolute, links resolved
+        char *path;  // absolute, links resolved
+        char *given; // absolute, as it was named; "/" at neither end but for the root folder
     } roots[16];
     int root_count;
     uint64_t max_file_bytes;
@@ -52,29 +57,34 @@ IoError sandbox_allow(Sandbox *sandbox, const char *folder);
 // checks again.
 IoError sandbox_resolve(const Sandbox *sandbox, Arena *arena, const char *from, Str path,
                         const char **out);
-// Opens an absolute path for reading: a regular file inside the sandbox. Returns the descriptor in
-// *fd, its size in *size.
+// Opens an absolute path for reading: a regular file inside the sandbox, of at most max_file_bytes.
+// Returns the descriptor in *fd, its size in *size. Never waits (for a FIFO's other end, say).
 IoError sandbox_open(const Sandbox *sandbox, const char *path, int *fd, uint64_t *size);
 // Reads a whole file; give it back with file_bytes_free.
 IoError sandbox_read(const Sandbox *sandbox, const char *path, FileBytes *out);
-// The same without a sandbox, for files that the user named on the command line ("-" is stdin).
+// The same without a sandbox, for files that the user named on the command line ("-" is stdin);
+// they may be pipes.
 IoError file_read(const char *path, uint64_t max_bytes, FileBytes *out);
 void file_bytes_free(FileBytes *bytes);
 
 // A file that appears whole or not at all: written under a temporary name beside `path`, flushed to
-// the disk, then renamed over it.
+// the disk, then renamed over it. Where `path` is a link, the file that it leads to is replaced and
+// the link stays; the new file gets the permissions of the old one. Only regular files are
+// replaced.
 typedef struct AtomicFile {
     char *path, *temporary;
     FILE *stream; // write here
 } AtomicFile;
-// False, with a message in `error`, when it can't be created.
+// False, with a message in `error`, when it can't be created; then there is nothing to give back.
 bool atomic_file_open(AtomicFile *file, const char *path, char *error, size_t error_size);
 // Commits; false (with a message; the old file intact and nothing left behind) if any write failed.
 bool atomic_file_commit(AtomicFile *file, char *error, size_t error_size);
 void atomic_file_abandon(AtomicFile *file);
-// For writers that want a name, not a stream: makes the temporary name (arena), to be passed to the
-// writer and then to atomic_rename, which flushes and renames, or to atomic_discard.
-char *atomic_temporary_name(Arena *arena, const char *path);
+// For writers that want a name, not a stream: makes an empty temporary file beside `path` and
+// returns its name (arena), to be passed to the writer and then to atomic_rename, which flushes and
+// renames (or removes it and returns false with a message), or to atomic_discard. NULL with a
+// message when it can't be made.
+char *atomic_temporary_name(Arena *arena, const char *path, char *error, size_t error_size);
 bool atomic_rename(const char *temporary, const char *path, char *error, size_t error_size);
 void atomic_discard(const char *temporary);
 

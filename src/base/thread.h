@@ -12,7 +12,7 @@ unsigned thread_processor_count(void);
 // Calls work(context, item, worker) once for each item in [0, count), from `threads` threads of
 // which the caller is one (worker 0); worker < threads. Items are handed out in order. Returns when
 // all are done, or, once *stop is non-zero (it may be NULL), when those begun are done. If threads
-// can't be made it goes on with those it has.
+// can't be made it goes on with those it has; 0 threads count as 1. Signals go to the caller only.
 typedef void ParallelWork(void *context, uint64_t item, unsigned worker);
 void parallel_for(uint64_t count, unsigned threads, ParallelWork *work, void *context,
                   const atomic_int *stop);
