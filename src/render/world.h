@@ -1,23 +1,40 @@
-// A scene made ready for rendering: accelerator, lights with their choice, textures, settings.
+// A scene made ready for rendering: accelerator, materials, lights with their choice, textures,
+// settings.
 #ifndef RENDER_WORLD_H
 #define RENDER_WORLD_H
 
+#include "base/diag.h"
 #include "render/accel.h"
+#include "render/light.h"
+#include "render/material.h"
+#include "render/texture.h"
 #include "scene/scene.h"
 
-struct LightSet;   // light.h
-struct TextureSet; // texture.h
+enum { SAMPLING_MIS, SAMPLING_LIGHT, SAMPLING_BSDF }; // RenderParams.sampling
 
 typedef struct World {
     const Scene *scene;
     Accel *accel;
-    struct LightSet *lights;
-    struct TextureSet *textures;
+    LightSet *lights;
+    TextureSet *textures;
+    const WorldMaterial *materials; // material_count + 1; the last is the default
+    uint32_t material_count;
+    uint32_t all_lobes; // union over the materials in the scene
+    bool shape_lights;  // some light is a shape
+    Arena arena;        // of materials and lights
     // from `render { … }`
     int64_t bounces;
-    int32_t sampling; // "mis", "light", "bsdf" in this order
+    int32_t sampling;
     bool shadows, russian_roulette;
-    float clamp;
+    float clamp; // 0: none
 } World;
+
+// Makes a scene ready, with `threads` threads (0: all). The scene must not change while the world
+// lives. NULL after a report to `sink`: a texture that can't be read, no memory, …
+World *world_build(const Scene *scene, unsigned threads, DiagSink *sink);
+void world_free(World *world);
+
+// The part of light that passes along `ray` (1: unoccluded, 0: blocked), cut-outs counted.
+Rgb world_visibility(const World *world, const Ray *ray);
 
 #endif

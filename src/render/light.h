@@ -1,0 +1,87 @@
+// Where light comes from: one file a kind in lights/, one row in nodes.def; and the choice among a
+// scene's lights.
+//
+// Every kind's sample says from which direction light may come to a reference point, how much, and
+// with which density; integrators do the rest (visibility, scattering, weights), so that a light of
+// any law (attenuation, cones, tables) is one function.
+#ifndef RENDER_LIGHT_H
+#define RENDER_LIGHT_H
+
+#include "base/diag.h"
+#include "render/accel.h"
+
+struct World;
+typedef struct LightClass LightClass;
+typedef struct LightSet LightSet;
+
+// One source of light: a light node, or a shape (of an instance, perhaps) with an emitting
+// material.
+typedef struct Light {
+    const LightClass *class;
+    const void *params; // of the light node; NULL for a shape with an emitting material
+    void *data;         // made by prepare, in the set's arena
+    uint32_t node;      // light id, or NONE_ID
+    uint32_t shape;     // shapes: id, else NONE_ID
+    uint32_t instance;  // shapes: instance, or NONE_ID
+    Affine to_world;    // the light node's or the shape's
+    double power;       // luminance of the emitted flux in W; 0: never chosen for sampling
+    Box3 bounds;        // of the emitting points, in the world; empty for infinite lights
+} Light;
+
+// What reaches a reference point from a light, were nothing in between.
+typedef struct LightSample {
+    Vec3 direction;  // unit, from the reference point
+    double distance; // INFINITY for lights at infinity
+    Vec3 point;      // on the light, where distance is finite
+    double error;    // bound on that point's distance from the true surface
+    Rgb value;       // delta: irradiance on a surface facing the light, W/m²; else the radiance
+    float pdf;       // by solid angle, of the direction given this light; 1 for delta
+    bool delta;      // no ray hits this light by chance: it must be sampled
+} LightSample;
+
+// What a light's prepare is given; it fills light->data, power, bounds.
+typedef struct LightPrepare {
+    struct World *world; // accelerator and textures are ready
+    Light *light;
+    Arena *arena;
+    DiagSink *sink;
+    Span at;
+} LightPrepare;
+
+struct LightClass {
+    NodeType node; // first: a LightClass is a NodeType
+    bool infinite; // rays that leave the scene see it: see `escaped`
+    // False after a report.
+    bool (*prepare)(const LightPrepare *prepare);
+    // Chooses a direction from three numbers in [0, 1). False: nothing comes from there.
+    bool (*sample)(const struct World *world, const Light *light, Vec3 reference, float u0,
+                   float u1, float u2, LightSample *out);
+    // The density with which sample, seen from `reference`, chooses the unit direction that was
+    // found to lead to `hit` on this light (NULL: into infinity). NULL for delta lights.
+    float (*pdf)(const struct World *world, const Light *light, Vec3 reference, Vec3 direction,
+                 const Surface *hit);
+    // The radiance seen at `hit`, on this light, by a ray. NULL where a ray can't hit it.
+    Rgb (*emitted)(const struct World *world, const Light *light, const Surface *hit);
+    // The radiance along a ray that leaves the scene. NULL unless infinite.
+    Rgb (*escaped)(const struct World *world, const Light *light, Vec3 direction);
+};
+
+// All lights of the world, and the tables for choosing. NULL after a report. `arena` keeps them.
+LightSet *light_set_build(struct World *world, Arena *arena, DiagSink *sink);
+void light_set_free(LightSet *set);
+size_t light_set_count(const LightSet *set);
+const Light *light_set_get(const LightSet *set, size_t index);
+// The lights at infinity, one after another: indices of lights; *count of them.
+const uint32_t *light_set_infinite(const LightSet *set, uint32_t *count);
+
+// Chooses a light for a reference point by a number in [0, 1): its index, and the chance of it in
+// *chance. NONE_ID where there is none to choose. The chance is a mixture of one half by power and
+// one half uniform, so that no light is starved; it doesn't look at the reference point yet, but
+// callers must pass it, since a hierarchy over Light.bounds and power takes its place here.
+uint32_t light_choose(const LightSet *set, Vec3 reference, float u, float *chance);
+// The chance with which light_choose takes `light`.
+float light_chance(const LightSet *set, Vec3 reference, uint32_t light);
+// The index of the light that a hit surface is, or NONE_ID.
+uint32_t light_of_surface(const struct World *world, const Surface *surface);
+
+#endif

@@ -1,0 +1,106 @@
+// How surfaces scatter and emit light: one file a kind in materials/, one row in nodes.def.
+//
+// The contract is that of Nori (Jakob): sample, eval and pdf, which a chi-squared test holds to
+// each other. Directions are unit, point away from the surface and are given in the shading frame:
+// z along the shading normal, which lies on the front side of the surface whichever side is seen.
+// So wo.z > 0 means that the front is seen, and a material tells its sides by signs.
+//
+// Opaque materials (lambert and all that say nothing else) look the same from both sides. Which
+// side `emissive`, `two_sided` and glass mean is decided by the geometric normal.
+#ifndef RENDER_MATERIAL_H
+#define RENDER_MATERIAL_H
+
+#include "render/accel.h"
+
+struct World;
+
+// What a material may do; the union over its lobes and those of the materials inside it.
+typedef enum MaterialLobes {
+    LOBE_REFLECT = 1,  // to the viewer's side
+    LOBE_TRANSMIT = 2, // to the other side
+    LOBE_SMOOTH = 4,   // spread over directions: eval and pdf are not zero, lights can be sampled
+    LOBE_DELTA = 8,    // single directions: only sample finds them
+    LOBE_PASS = 16,    // lets light pass as if nothing were there: see MaterialClass.pass
+    LOBE_EMIT = 32,    // emits: shapes of this material are lights
+} MaterialLobes;
+
+// A point to be shaded, seen from a direction.
+typedef struct ShadingPoint {
+    const struct World *world;
+    const Surface *surface;
+    Frame frame;    // world; n the shading normal (bent where wo would see its back), s along dp/du
+    Vec3 geometric; // the geometric normal, in the frame
+    Vec3 wo;        // to the viewer, in the frame
+    double wo_side; // wo · geometric: > 0 from the front
+} ShadingPoint;
+
+typedef struct BsdfEval {
+    Rgb value; // f(wo, wi) |wi.z|, 1/sr
+    float pdf; // with which sample chooses wi, 1/sr
+} BsdfEval;
+
+typedef struct BsdfSample {
+    Vec3 wi;        // in the frame
+    Rgb weight;     // f |wi.z| / pdf; for a delta lobe its albedo over the chance to choose it
+    float pdf;      // 1/sr; for a delta lobe the chance that it was chosen
+    float eta;      // index of refraction on wi's side over that on wo's side; 1 when reflected
+    uint32_t lobes; // the MaterialLobes of the lobe chosen
+} BsdfSample;
+
+typedef struct MaterialClass {
+    NodeType node; // first: a MaterialClass is a NodeType
+    // The lobes of a material with these parameters. Materials inside are asked by material_lobes.
+    uint32_t (*lobes)(const struct World *world, const void *params);
+    // Smooth lobes only; no side test is needed here, material_eval has made it.
+    BsdfEval (*eval)(const ShadingPoint *point, const void *params, Vec3 wi);
+    // Chooses wi from three numbers in [0, 1): `lobe` for choosing among lobes, u and v for the
+    // direction. False: nothing is scattered.
+    bool (*sample)(const ShadingPoint *point, const void *params, float lobe, float u, float v,
+                   BsdfSample *out);
+    // About how much of the light from all around is reflected, for the albedo picture.
+    Rgb (*albedo)(const ShadingPoint *point, const void *params);
+    // Radiance (W/m²/sr) that the surface emits to the side given by surface->front. NULL: none.
+    Rgb (*emitted)(const struct World *world, const void *params, const Surface *surface);
+    // About the mean over the surface of what is emitted from the front, for choosing lights. NULL:
+    // none.
+    Rgb (*emitted_mean)(const struct World *world, const void *params);
+    // The part of light that passes straight through, for shadow rays (cut-outs). NULL: none.
+    Rgb (*pass)(const struct World *world, const void *params, const Surface *surface);
+} MaterialClass;
+
+// A material of the world, resolved: world->materials[id], and [material_count] the default one.
+typedef struct WorldMaterial {
+    const MaterialClass *class;
+    const void *params;
+    uint32_t lobes;
+} WorldMaterial;
+
+// Makes the point ready; `direction` is the ray's, unit, in the world. A shading normal whose back
+// faces the viewer while the surface's front does (at a grazing angle on a coarse smooth mesh) is
+// bent until it just faces the viewer, so that no black specks appear there.
+void shading_point(const struct World *world, const Surface *surface, Vec3 direction,
+                   ShadingPoint *out);
+// The same point in another shading frame (normal and bump maps): `normal` and `tangent` are in the
+// world, normal is unit and on the geometric front.
+void shading_point_bend(const ShadingPoint *point, Vec3 normal, Vec3 tangent, ShadingPoint *out);
+
+// The material `id` (NONE_ID: the default). These are also what nested materials call for theirs.
+//
+// Light leaks: where a direction's side of the surface by the shading normal and by the geometric
+// normal differ, the material neither reflects nor transmits (Veach 1997, 5.3).
+const WorldMaterial *world_material(const struct World *world, uint32_t id);
+uint32_t material_lobes(const struct World *world, uint32_t id);
+BsdfEval material_eval(const ShadingPoint *point, uint32_t id, Vec3 wi);
+bool material_sample(const ShadingPoint *point, uint32_t id, float lobe, float u, float v,
+                     BsdfSample *out);
+Rgb material_albedo(const ShadingPoint *point, uint32_t id);
+Rgb material_emitted(const struct World *world, uint32_t id, const Surface *surface);
+Rgb material_emitted_mean(const struct World *world, uint32_t id);
+Rgb material_pass(const struct World *world, uint32_t id, const Surface *surface);
+
+// A direction about +z with pdf z/π from (u, v) in [0,1)² (Shirley and Chiu 1997: concentric).
+Vec3 sample_cosine_hemisphere(float u, float v);
+// A point of the unit disc, uniform by area, by the same map.
+Vec2 sample_disc(float u, float v);
+
+#endif

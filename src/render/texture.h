@@ -1,0 +1,67 @@
+// Values that vary over a surface: one file a kind in textures/, one row in nodes.def.
+//
+// A texture gives a linear Rec.709 colour; where a number is wanted it is the colour's luminance.
+#ifndef RENDER_TEXTURE_H
+#define RENDER_TEXTURE_H
+
+#include "base/diag.h"
+#include "render/accel.h"
+
+struct TextureImage; // texture_image.h
+typedef struct TextureSet TextureSet;
+
+// What a texture's prepare is given.
+typedef struct TexturePrepare {
+    const Scene *scene;
+    TextureSet *set; // textures inside stand at lower ids and are ready
+    Arena *arena;    // lives as long as the set
+    DiagSink *sink;
+    Span at; // of the texture's node
+} TexturePrepare;
+
+typedef struct TextureClass {
+    NodeType node; // first: a TextureClass is a NodeType
+    // Makes what look-ups need, in the arena. False after a report. NULL: nothing to make.
+    bool (*prepare)(const TexturePrepare *prepare, const void *params, const void **data);
+    // Of surface it uses uv, p, object_p and color alone. Thread-safe.
+    Rgb (*color)(const TextureSet *set, const void *params, const void *data,
+                 const Surface *surface);
+    // About the mean over a surface. NULL: not known, taken as 0.5.
+    Rgb (*mean)(const TextureSet *set, const void *params, const void *data);
+} TextureClass;
+
+// All textures of a scene, ready. NULL after a report (every failing texture is reported, at its
+// own place).
+TextureSet *texture_set_build(const Scene *scene, DiagSink *sink);
+void texture_set_free(TextureSet *set);
+// The decoded file, read once for all that name it. `encoding` is one of TextureEncoding. NULL
+// after a report at `at`.
+const struct TextureImage *texture_set_image(TextureSet *set, const Scene *scene, const char *path,
+                                             int32_t encoding, DiagSink *sink, Span at);
+
+Rgb texture_color(const TextureSet *set, uint32_t id, const Surface *surface);
+Rgb texture_mean(const TextureSet *set, uint32_t id);
+
+// The value of a field that may be a texture.
+static inline Rgb color_tex(const TextureSet *set, const ColorTex *value, const Surface *surface)
+{
+    return value->texture == NONE_ID
+               ? value->value
+               : rgb_mul(value->value, texture_color(set, value->texture, surface));
+}
+static inline float number_tex(const TextureSet *set, const NumberTex *value,
+                               const Surface *surface)
+{
+    return value->texture == NONE_ID
+               ? (float)value->value
+               : (float)value->value * luminance(texture_color(set, value->texture, surface));
+}
+// A reflectance: the same, held to [0, 1].
+static inline Rgb reflectance_tex(const TextureSet *set, const ColorTex *value,
+                                  const Surface *surface)
+{
+    Rgb c = color_tex(set, value, surface);
+    return rgb(fminf(fmaxf(c.r, 0), 1), fminf(fmaxf(c.g, 0), 1), fminf(fmaxf(c.b, 0), 1));
+}
+
+#endif
