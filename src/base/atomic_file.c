@@ -12,16 +12,19 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { MOST_LINKS = 40, MOST_TRIES = 100 };
+enum { MOST_LINKS = 40, MOST_TRIES = 100, MOST_SHOWN = 160 };
 
 // Names being built: a path never exceeds PATH_MAX, else the kernel would not take it.
 typedef struct PathBuffer {
     char at[PATH_MAX];
 } PathBuffer;
 
-static bool refuse(char *error, size_t error_size, const char *what, const char *path, int code)
+// The reason must fit the message, whatever the name's length.
+static bool refuse(char *error, size_t error_size, const char *path, const char *why)
 {
-    snprintf(error, error_size, "%s `%s`: %s", what, path, strerror(code));
+    int shown = strlen(path) > MOST_SHOWN ? MOST_SHOWN : (int)strlen(path);
+    snprintf(error, error_size, "can't write `%.*s%s`: %s", shown, path, path[shown] ? "..." : "",
+             why);
     return false;
 }
 
@@ -61,18 +64,17 @@ static bool follow_links(const char *path, PathBuffer *out)
 static bool find_target(const char *path, PathBuffer *target, char *error, size_t error_size)
 {
     if (!*path || !follow_links(path, target)) {
-        return refuse(error, error_size, "can't write", path, *path ? errno : ENOENT);
+        return refuse(error, error_size, path, strerror(*path ? errno : ENOENT));
     }
     struct stat info;
     if (stat(target->at, &info) != 0) {
-        return errno == ENOENT || refuse(error, error_size, "can't write", path, errno);
+        return errno == ENOENT || refuse(error, error_size, path, strerror(errno));
     }
     if (S_ISDIR(info.st_mode)) {
-        return refuse(error, error_size, "can't write", path, EISDIR);
+        return refuse(error, error_size, path, strerror(EISDIR));
     }
     if (!S_ISREG(info.st_mode)) {
-        snprintf(error, error_size, "can't write `%s`: it is not a regular file", path);
-        return false;
+        return refuse(error, error_size, path, "it is not a regular file");
     }
     return true;
 }
@@ -117,7 +119,7 @@ static int create_temporary(const char *path, PathBuffer *target, PathBuffer *te
             break;
         }
     }
-    refuse(error, error_size, "can't write", path, errno);
+    refuse(error, error_size, path, strerror(errno));
     return -1;
 }
 
@@ -159,7 +161,7 @@ static bool commit(int fd, const char *temporary, const char *target, const char
     }
     if (!good) {
         unlink(temporary);
-        return refuse(error, error_size, "can't write", path, code);
+        return refuse(error, error_size, path, strerror(code));
     }
     flush_folder(target);
     return true;
@@ -199,7 +201,7 @@ bool atomic_file_open(AtomicFile *file, const char *path, char *error, size_t er
         close(fd);
         unlink(temporary.at);
         forget(file);
-        return refuse(error, error_size, "can't write", path, ENOMEM);
+        return refuse(error, error_size, path, strerror(ENOMEM));
     }
     return true;
 }
@@ -210,7 +212,7 @@ bool atomic_file_commit(AtomicFile *file, char *error, size_t error_size)
     errno = 0;
     if (fflush(file->stream) != 0 || failed) {
         int code = errno ? errno : EIO;
-        refuse(error, error_size, "can't write", file->path, code);
+        refuse(error, error_size, file->path, strerror(code));
         atomic_file_abandon(file);
         return false;
     }
@@ -221,7 +223,7 @@ bool atomic_file_commit(AtomicFile *file, char *error, size_t error_size)
     bool good;
     if (fd < 0) {
         unlink(file->temporary);
-        good = refuse(error, error_size, "can't write", file->path, code);
+        good = refuse(error, error_size, file->path, strerror(code));
     } else {
         good = commit(fd, file->temporary, file->path, file->path, error, error_size);
     }
@@ -253,7 +255,7 @@ char *atomic_temporary_name(Arena *arena, const char *path, char *error, size_t 
     char *name = arena_copy_string(arena, temporary.at, strlen(temporary.at));
     if (!name) {
         unlink(temporary.at);
-        refuse(error, error_size, "can't write", path, ENOMEM);
+        refuse(error, error_size, path, strerror(ENOMEM));
     }
     return name;
 }
@@ -269,7 +271,7 @@ bool atomic_rename(const char *temporary, const char *path, char *error, size_t 
     if (fd < 0) {
         int code = errno;
         unlink(temporary);
-        return refuse(error, error_size, "can't write", path, code);
+        return refuse(error, error_size, path, strerror(code));
     }
     return commit(fd, temporary, target.at, path, error, error_size);
 }
