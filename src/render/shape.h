@@ -51,7 +51,8 @@ typedef enum ShapeHolding {
 typedef struct ShapeClass {
     NodeType node; // first: a ShapeClass is a NodeType
     ShapeHolding holding;
-    bool closed; // encloses a volume (for glass, media, CSG, "light inside" warnings)
+    // True where it encloses a volume (for glass, media, CSG, "light inside" warnings).
+    bool (*closed)(const void *params);
     Box3 (*bounds)(const Scene *scene, const void *params);
     // The nearest hit with ray->tmin < t < ray->tmax; the direction need not be of unit length.
     bool (*intersect)(const void *params, const Ray *ray, ShapeHit *hit);

@@ -219,6 +219,8 @@ typedef struct NodeFinish {
     // that a note can be added with `sink`. Reporting an error makes the node fail.
     Diag *(*report)(struct NodeFinish *self, int param, DiagCode code, const char *format, ...)
         __attribute__((format(printf, 4, 5)));
+    // Where field `param` (or, for -1, the node) stands in the source; may be NULL.
+    Span (*place)(struct NodeFinish *self, int param);
     DiagSink *sink;
     void *caller; // the evaluator's own
 } NodeFinish;

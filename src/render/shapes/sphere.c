@@ -1,0 +1,215 @@
+#include "render/geometry.h"
+
+typedef struct Sphere {
+    Vec3 center;
+    double radius;
+} Sphere;
+
+static const Param sphere_params[] = {
+    {.name = "center",
+     .type = PARAM_VEC3,
+     PARAM_AT(Sphere, center),
+     .dims = DIM_BIT(DIM_LENGTH),
+     .default_text = "(0, 0, 0)",
+     .doc = "The middle."},
+    {.name = "radius",
+     .type = PARAM_NUMBER,
+     PARAM_AT(Sphere, radius),
+     .flags = PARAM_EXCLUDE_MIN,
+     .dims = DIM_BIT(DIM_LENGTH),
+     .min = 0,
+     .max = INFINITY,
+     .default_text = "1",
+     .doc = "Distance from the middle to the surface."},
+};
+
+static Box3 sphere_bounds(const Scene *scene, const void *params)
+{
+    (void)scene;
+    const Sphere *s = params;
+    Vec3 r = vec3(s->radius, s->radius, s->radius);
+    return (Box3){sub(s->center, r), add(s->center, r)};
+}
+
+// The quadratic in the form of Haines et al. 2019, "Precision Improvements for Ray/Sphere
+// Intersection" (Ray Tracing Gems, 7): the discriminant from the vector between centre and line,
+// the roots without cancellation. The sign of the root near an origin on the surface follows from
+// that origin's side alone.
+static bool sphere_intersect(const void *params, const Ray *ray, ShapeHit *hit)
+{
+    const Sphere *s = params;
+    Vec3 f = sub(ray->origin, s->center), d = ray->direction;
+    double a = length_squared(d), b = -dot(f, d);
+    double discriminant = s->radius * s->radius - length_squared(add_scaled(f, d, b / a));
+    if (!(discriminant >= 0)) {
+        return false;
+    }
+    double distance = length(f);
+    double c = (distance - s->radius) * (distance + s->radius);
+    double q = b + copysign(sqrt(a * discriminant), b);
+    double near = b > 0 ? c / q : q / a, far = b > 0 ? q / a : c / q;
+    double t = near > ray->tmin ? near : far;
+    if (!(t > ray->tmin && t < ray->tmax)) {
+        return false;
+    }
+    *hit = (ShapeHit){.t = t};
+    return true;
+}
+
+// u grows eastwards, seen from outside with +y up, from the back (-z); v from the south pole to the
+// north pole.
+static void sphere_point_at(const Sphere *s, Vec3 n, ShapePoint *out)
+{
+    double around = n.x * n.x + n.z * n.z;
+    *out = (ShapePoint){
+        .p = add_scaled(s->center, n, s->radius),
+        .geometric = n,
+        .shading = n,
+        .tangent = around > 1e-24 ? scale(vec3(n.z, 0, -n.x), 2 * PI * s->radius) : vec3(1, 0, 0),
+        .uv = {0.5 + atan2(n.x, n.z) / (2 * PI), 0.5 + atan2(n.y, sqrt(around)) / PI},
+        .color = {1, 1, 1},
+        .error = rounding_error(max_abs(s->center) + s->radius),
+    };
+}
+
+static void sphere_point(const Scene *scene, const void *params, const Ray *ray,
+                         const ShapeHit *hit, ShapePoint *out)
+{
+    (void)scene;
+    const Sphere *s = params;
+    Vec3 from_center = add_scaled(sub(ray->origin, s->center), ray->direction, hit->t);
+    sphere_point_at(s, normalize(from_center), out);
+}
+
+// An ellipsoid's area, for |C n|² = nᵀ CᵀC n over the unit sphere: 4π R_G of CᵀC's eigenvalues.
+static double sphere_area(const Scene *scene, const void *params, const Affine *to_world)
+{
+    (void)scene;
+    const Sphere *s = params;
+    Affine cofactors = affine_cofactors(to_world);
+    Vec3 e = affine_gram_eigenvalues(&cofactors);
+    return 4 * PI * s->radius * s->radius * carlson_rg(e.x, e.y, e.z);
+}
+
+static void sphere_sample_area(const Scene *scene, const void *params, const Affine *to_world,
+                               const void *table, double u0, double u1, double u2, ShapeSample *out)
+{
+    (void)table;
+    const Sphere *s = params;
+    double uniform_scale;
+    bool similar = affine_is_similarity(to_world, &uniform_scale);
+    Affine cofactors = affine_cofactors(to_world);
+    Vec3 e = affine_gram_eigenvalues(&cofactors);
+    double most = sqrt(max_component(e));
+    Rejection more = rejection_begin(u0, u1, u2);
+    Vec3 n;
+    for (int tries = 0; tries < 100; ++tries) {
+        double y = 1 - 2 * u0, around = sqrt(fmax(0, 1 - y * y));
+        n = vec3(around * sin(2 * PI * u1), y, around * cos(2 * PI * u1));
+        if (similar || u2 * most <= length(transform_vector(&cofactors, n))) {
+            break;
+        }
+        u0 = rejection_next(&more);
+        u1 = rejection_next(&more);
+        u2 = rejection_next(&more);
+    }
+    sphere_point_at(s, n, &out->point);
+    shape_point_map(to_world, &out->point);
+    out->primitive = 0;
+    out->pdf = 1 / sphere_area(scene, params, to_world);
+}
+
+// The cone under which a sphere is seen: its axis, and 1 - cos of its half angle without the
+// cancellation that a far sphere would bring. False from inside or the surface itself.
+typedef struct SphereCone {
+    Vec3 center, axis;
+    double radius, distance;
+    double sin_squared; // of the half angle
+    double one_minus_cos;
+} SphereCone;
+
+static bool sphere_cone(const Sphere *s, const Affine *to_world, Vec3 reference, SphereCone *cone)
+{
+    double factor;
+    if (!affine_is_similarity(to_world, &factor)) {
+        return false;
+    }
+    cone->center = transform_point(to_world, s->center);
+    cone->radius = s->radius * factor;
+    Vec3 to_center = sub(cone->center, reference);
+    cone->distance = length(to_center);
+    if (!(cone->distance > cone->radius * (1 + 1e-9))) {
+        return false;
+    }
+    cone->axis = scale(to_center, 1 / cone->distance);
+    double sine = cone->radius / cone->distance;
+    cone->sin_squared = sine * sine;
+    cone->one_minus_cos = cone->sin_squared / (1 + sqrt(1 - cone->sin_squared));
+    return true;
+}
+
+// Uniform in the cone; the point from the law of cosines (pbrt 4, 6.2.4), which stays on the sphere
+// however far it is.
+static bool sphere_sample_solid_angle(const void *params, const Affine *to_world, Vec3 reference,
+                                      double u0, double u1, ShapeSample *out)
+{
+    const Sphere *s = params;
+    SphereCone cone;
+    if (!sphere_cone(s, to_world, reference, &cone)) {
+        return false;
+    }
+    double less = u0 * cone.one_minus_cos; // 1 - cos theta
+    double sin_squared = less * (2 - less);
+    double ratio = fmin(1, sin_squared / cone.sin_squared);
+    double cos_alpha = ratio * sqrt(cone.sin_squared) + (1 - less) * sqrt(1 - ratio);
+    double sin_alpha = sqrt(fmax(0, 1 - cos_alpha * cos_alpha));
+    Frame frame = frame_from_normal(neg(cone.axis));
+    Vec3 n = from_local(
+        &frame, vec3(sin_alpha * cos(2 * PI * u1), sin_alpha * sin(2 * PI * u1), cos_alpha));
+    // Back to the shape's own space for its uv: a similarity's inverse is its transpose over s².
+    double factor = cone.radius / s->radius;
+    Vec3 own = scale(transform_transposed(to_world, n), 1 / factor);
+    sphere_point_at(s, normalize(own), &out->point);
+    shape_point_map(to_world, &out->point);
+    out->primitive = 0;
+    out->pdf = 1 / (2 * PI * cone.one_minus_cos);
+    return true;
+}
+
+static double sphere_solid_angle_pdf(const void *params, const Affine *to_world, Vec3 reference,
+                                     Vec3 direction)
+{
+    (void)direction;
+    SphereCone cone;
+    return sphere_cone(params, to_world, reference, &cone) ? 1 / (2 * PI * cone.one_minus_cos) : 0;
+}
+
+static bool sphere_closed(const void *params)
+{
+    (void)params;
+    return true;
+}
+
+const ShapeClass sphere_shape = {
+    .node = {.name = "sphere",
+             .category = CATEGORY_SHAPE,
+             .params = sphere_params,
+             .param_count = sizeof sphere_params / sizeof *sphere_params,
+             .size = sizeof(Sphere),
+             .doc = "A sphere. Normals point outwards; u runs around the y axis and v from the "
+                    "south pole to the north pole.",
+             .formula = "|p - center| = radius, intersected in double precision (Haines et al. "
+                        "2019, Ray Tracing Gems 7). As a light it is sampled by the cone under "
+                        "which it is seen (Shirley, Wang, Zimmerman 1996).",
+             .example = "sphere { center: (0, 1, 0), radius: 0.5, material: lambert { color: "
+                        "#c0392b } }"},
+    .holding = HOLD_USER,
+    .closed = sphere_closed,
+    .bounds = sphere_bounds,
+    .intersect = sphere_intersect,
+    .point = sphere_point,
+    .area = sphere_area,
+    .sample_area = sphere_sample_area,
+    .sample_solid_angle = sphere_sample_solid_angle,
+    .solid_angle_pdf = sphere_solid_angle_pdf,
+};
