@@ -70,6 +70,9 @@ typedef struct DiagSink {
     // A chain put on every diagnostic that is reported while it is set (the evaluator's call
     // stack).
     DiagFrame *frames;
+    uint32_t *slots; // hash table of kept diagnostics by code and span: index + 1, 0 = free
+    uint32_t slot_mask;
+    Diag spare; // handed out where a diagnostic isn't kept
 } DiagSink;
 
 enum { DIAG_DEFAULT_LIMIT = 100 };
@@ -79,7 +82,8 @@ void diag_sink_free(DiagSink *sink);
 
 // Adds a diagnostic and returns it, to be given a label, notes or a fix. Never returns NULL: past
 // the limit, or without memory, it is a spare one that is not kept (but still counted). The pointer
-// is good until the next diag_report. A second diagnostic with the same code and span is dropped.
+// is good until the next diag_report. A second diagnostic with the same code and span is dropped
+// and not counted. None of these functions uses the arena's jump.
 Diag *diag_report(DiagSink *sink, DiagCode code, Span at, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 void diag_label(DiagSink *sink, Diag *diag, const char *format, ...)
@@ -98,9 +102,13 @@ DiagCode diag_find(Str name);
 typedef enum DiagColor { DIAG_PLAIN, DIAG_COLORED } DiagColor;
 
 // Writes all diagnostics, sorted by file and place; errors and warnings in the order of the source.
+// Tabs are expanded to stops of 4, bytes that aren't UTF-8 and control characters (also those that
+// would turn the direction of the text) are shown as U+FFFD, and of a long line only the part
+// around the span is shown.
 void diag_write_text(const DiagSink *sink, Sources *sources, FILE *out, DiagColor color);
 // One JSON object a line: {"code","severity","message","label","file","line","column","end_line",
 // "end_column","begin","end","notes":[…],"chain":[{"file","line","column","text"}],"fix":{…}}.
+// Where memory ran out, an E0001 without a place ends both.
 void diag_write_json(const DiagSink *sink, Sources *sources, FILE *out);
 
 #endif

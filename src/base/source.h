@@ -13,11 +13,11 @@ typedef struct Span {
 typedef struct Source {
     const char *path; // as shown in diagnostics
     const char *real; // absolute, links resolved; names the file uniquely
-    Str text;         // whole content; mapped or in the arena
+    Str text;         // whole content
     Span imported_at; // the import that first brought it; file = 0 for the scene itself
     uint32_t *lines;  // byte offset of each line's start, made on first need
     uint32_t line_count;
-    bool mapped; // text is to be unmapped by sources_free
+    void (*release)(Str text); // how sources_free gives the text back; NULL: it isn't owned
 } Source;
 
 // All sources of one run; numbers count from 1. Owned by the caller; the arena keeps the entries.
@@ -34,12 +34,16 @@ typedef struct Place {
 
 void sources_init(Sources *sources, Arena *arena);
 void sources_free(Sources *sources);
-// Adds a source whose text outlives `sources`; its number, or 0 when memory runs out.
+// Adds a source; its number, or 0 when memory runs out. The text must live as long as `sources`,
+// or be owned: then set items[number].release. The strings are copied.
 uint32_t sources_add(Sources *sources, const char *path, const char *real, Str text,
                      Span imported_at);
+// NULL for 0 and for numbers that were never given.
 const Source *source_get(const Sources *sources, uint32_t file);
+// Where byte `offset` lies (beyond the end: the end). {0, 0} for an unknown file. An invalid byte
+// counts as a character.
 Place source_place(Sources *sources, uint32_t file, uint32_t offset);
-// The text of line `line` (from 1), without its end.
+// The text of line `line` (from 1), without its end ("\n" or "\r\n"). Empty beyond the last.
 Str source_line(Sources *sources, uint32_t file, uint32_t line);
 
 #endif

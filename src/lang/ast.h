@@ -9,6 +9,7 @@
 #include "base/source.h"
 #include "base/str.h"
 
+#include <stddef.h>
 #include <string.h>
 
 typedef uint32_t AstId; // index into Ast.nodes; 0 is none
@@ -20,7 +21,7 @@ typedef uint32_t AstId; // index into Ast.nodes; 0 is none
     AST(ERROR, "what could not be parsed; already reported")                                       \
     /* items */                                                                                    \
     AST(FILE, "a: list of items")                                                                  \
-    AST(IMPORT, "a: STRING node, b: symbol of the namespace; name span in extra[aux list]")        \
+    AST(IMPORT, "a: STRING node, b: extra -> {symbol of the namespace, name_begin, name_end}")     \
     AST(PARAM, "a: symbol, b: extra -> {name_begin, name_end, type symbol, default, range, "       \
                "description STRING or 0, type_begin, type_end}")                                   \
     AST(LET, "a: symbol, b: extra -> {name_begin, name_end, value}")                               \
@@ -118,7 +119,7 @@ static inline const AstNode *ast_node(const Ast *ast, AstId id)
 static inline double ast_number(const AstNode *node)
 {
     double number;
-    memcpy(&number, &node->a, sizeof number);
+    memcpy(&number, (const char *)node + offsetof(AstNode, a), sizeof number);
     return number;
 }
 static inline Span ast_span(const Ast *ast, AstId id)
@@ -140,9 +141,22 @@ const char *operator_text(Operator op); // "+", "and", …
 // Writes the tree as S-expressions with spans, one item a line group; ends with a newline.
 void ast_dump(const Ast *ast, const Interner *names, FILE *out);
 
+// How deep a tree can get. `nesting` counts brackets, blocks, prefix operators and right-hand
+// operands, and costs the parser stack, so more than PARSE_NESTING_MOST is taken as that. Chains
+// (`1 + 1 + 1 …`, `a.b.c …`) lean to the left without nesting; they are limited so that no path
+// from a root to a leaf has more than ast_deepest(limits) nodes: a recursive walk is safe with a
+// stack for that many (2,600 for the default 200).
 typedef struct ParseLimits {
-    uint32_t nesting; // deepest nesting of expressions and blocks
+    uint32_t nesting;
 } ParseLimits;
+
+enum { PARSE_NESTING_MOST = 2000, PARSE_CHAIN_MOST = 1000 };
+
+static inline uint32_t ast_deepest(ParseLimits limits)
+{
+    uint32_t nesting = limits.nesting < PARSE_NESTING_MOST ? limits.nesting : PARSE_NESTING_MOST;
+    return 8 * nesting + PARSE_CHAIN_MOST;
+}
 
 // Parses the whole text of source `file` into *ast (to be given back with ast_free, also after
 // errors). Every error is reported to `sink`; parsing goes on after each at the next item, so that

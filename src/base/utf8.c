@@ -1,0 +1,50 @@
+#include "base/utf8.h"
+
+#include <stddef.h>
+
+typedef struct Range {
+    uint32_t first, last;
+} Range;
+
+// The blocks of Unicode that matter here, not every character of them.
+static const Range no_width[] = {
+    {0x0300, 0x036f}, {0x0483, 0x0489}, {0x0591, 0x05bd},   {0x0610, 0x061a},   {0x064b, 0x065f},
+    {0x06d6, 0x06dc}, {0x0e34, 0x0e3a}, {0x0e47, 0x0e4e},   {0x1ab0, 0x1aff},   {0x1dc0, 0x1dff},
+    {0x200b, 0x200d}, {0x20d0, 0x20ff}, {0x302a, 0x302d},   {0x3099, 0x309a},   {0xfe00, 0xfe0f},
+    {0xfe20, 0xfe2f}, {0xfeff, 0xfeff}, {0x1f3fb, 0x1f3ff}, {0xe0100, 0xe01ef},
+};
+static const Range double_width[] = {
+    {0x1100, 0x115f},   {0x2329, 0x232a},   {0x2e80, 0x303e},   {0x3041, 0x33ff},
+    {0x3400, 0x4dbf},   {0x4e00, 0x9fff},   {0xa000, 0xa4cf},   {0xa960, 0xa97f},
+    {0xac00, 0xd7a3},   {0xf900, 0xfaff},   {0xfe30, 0xfe6f},   {0xff00, 0xff60},
+    {0xffe0, 0xffe6},   {0x1f300, 0x1f64f}, {0x1f680, 0x1f6ff}, {0x1f900, 0x1f9ff},
+    {0x1fa70, 0x1faff}, {0x20000, 0x3fffd},
+};
+static const Range controls[] = {
+    {0x0000, 0x001f}, {0x007f, 0x009f}, {0x200e, 0x200f}, {0x2028, 0x202e}, {0x2066, 0x2069},
+};
+
+static bool in_ranges(const Range *ranges, size_t count, uint32_t code)
+{
+    for (size_t i = 0; i < count && code >= ranges[i].first; ++i) {
+        if (code <= ranges[i].last) {
+            return true;
+        }
+    }
+    return false;
+}
+
+#define IN(ranges, code) in_ranges(ranges, sizeof ranges / sizeof *ranges, code)
+
+int utf8_width(uint32_t code)
+{
+    if (code < 0x300) {
+        return 1;
+    }
+    return IN(no_width, code) ? 0 : IN(double_width, code) ? 2 : 1;
+}
+
+bool utf8_is_control(uint32_t code)
+{
+    return IN(controls, code);
+}
