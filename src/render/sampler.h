@@ -2,27 +2,54 @@
 // picture's bytes depend on neither threads nor the order of tiles. Burley 2020, "Practical
 // Hash-based Owen Scrambling" (JCGT 9/4): sets of four dimensions, each shuffled and scrambled by
 // its own seed.
+//
+// Within a set, dimensions 0 and 1 are a (0, 2)-sequence: any 2^m samples that begin at a multiple
+// of 2^m hold one point in each elementary interval. So two numbers that matter together are best
+// drawn by sampler_2d at the start of a set.
 #ifndef RENDER_SAMPLER_H
 #define RENDER_SAMPLER_H
 
 #include <stdint.h>
 
+// Private but for sampler_*(); a few words, to live on the stack.
 typedef struct Sampler {
-    uint32_t seed;      // of this pixel
-    uint32_t index;     // number of the sample
-    uint32_t dimension; // next dimension
-    uint32_t set;       // the set of four that `values` holds + 1; 0: none
+    uint32_t seed;           // of this pixel
+    uint32_t reversed_index; // number of the sample, its bits reversed
+    uint32_t dimension;      // next dimension
+    uint32_t set;            // the set of four that `values` holds + 1; 0: none
     float values[4];
 } Sampler;
 
+// The seed of a pixel's sequences: the only place where the screen and the picture's seed enter.
+uint32_t sampler_pixel_seed(uint32_t seed, uint32_t pixel_x, uint32_t pixel_y);
+
+// Begins at dimension 0 of sample number `sample` of a pixel.
 void sampler_start(Sampler *sampler, uint32_t seed, uint32_t pixel_x, uint32_t pixel_y,
                    uint32_t sample);
-// The next dimension's number in [0, 1).
-float sampler_1d(Sampler *sampler);
-// Two numbers, from two dimensions of one set.
-void sampler_2d(Sampler *sampler, float *u, float *v);
+// Fills `values` with the set of four dimensions number `set`.
+void sampler_fill(Sampler *sampler, uint32_t set);
 // Goes on at the given dimension, so that paths that took different turns agree on the dimensions
 // of later bounces. Rounded up to a whole set.
 void sampler_seek(Sampler *sampler, uint32_t dimension);
+
+// The next dimension's number in [0, 1), a multiple of 2^-24.
+static inline float sampler_1d(Sampler *sampler)
+{
+    const uint32_t dimension = sampler->dimension++;
+    if ((dimension >> 2) + 1 != sampler->set) {
+        sampler_fill(sampler, dimension >> 2);
+    }
+    return sampler->values[dimension & 3];
+}
+
+// Two numbers, from two dimensions of one set (a fourth dimension left over is passed over).
+static inline void sampler_2d(Sampler *sampler, float *u, float *v)
+{
+    if ((sampler->dimension & 3) == 3) {
+        ++sampler->dimension;
+    }
+    *u = sampler_1d(sampler);
+    *v = sampler_1d(sampler);
+}
 
 #endif

@@ -1,0 +1,256 @@
+#include "render/film.h"
+
+#include "base/mem.h"
+
+bool film_init(Film *film, uint32_t width, uint32_t height, uint32_t first_sample, uint32_t samples,
+               bool aovs)
+{
+    *film = (Film){.width = width, .height = height, .first_sample = first_sample};
+    if (first_sample % SAMPLE_BLOCK != 0) {
+        *film = (Film){0};
+        return false;
+    }
+    const size_t count = film_pixel_count(film);
+    film->pixels = mem_alloc_zeroed(count, sizeof *film->pixels);
+    film->aovs = aovs ? mem_alloc_zeroed(count, sizeof *film->aovs) : NULL;
+    bool ok = film->pixels && (film->aovs || !aovs);
+    if (ok && first_sample > 0) {
+        film->block_count = samples / SAMPLE_BLOCK + (samples % SAMPLE_BLOCK != 0);
+        const size_t blocks = film->block_count;
+        ok = blocks == 0 || count <= SIZE_MAX / blocks;
+        film->blocks = ok ? mem_alloc_zeroed(count * blocks, sizeof *film->blocks) : NULL;
+        film->aov_blocks =
+            ok && aovs ? mem_alloc_zeroed(count * blocks, sizeof *film->aov_blocks) : NULL;
+        ok = ok && film->blocks && (film->aov_blocks || !aovs);
+    }
+    if (!ok) {
+        film_free(film);
+    }
+    return ok;
+}
+
+void film_free(Film *film)
+{
+    mem_free(film->pixels);
+    mem_free(film->aovs);
+    mem_free(film->blocks);
+    mem_free(film->aov_blocks);
+    *film = (Film){0};
+}
+
+// Luminance in double, from the same weights as luminance().
+static double luminance_of(double r, double g, double b)
+{
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+}
+
+void film_pixel_add(FilmPixel *pixel, Rgb radiance)
+{
+    const double r = (double)radiance.r, g = (double)radiance.g, b = (double)radiance.b;
+    const double l = luminance_of(r, g, b);
+    pixel->sum[0] += r;
+    pixel->sum[1] += g;
+    pixel->sum[2] += b;
+    pixel->square_sum += l * l;
+    pixel->samples += 1;
+}
+
+void film_pixel_join(FilmPixel *pixel, const FilmPixel *block)
+{
+    for (int i = 0; i < 3; ++i) {
+        pixel->sum[i] += block->sum[i];
+    }
+    pixel->square_sum += block->square_sum;
+    pixel->samples += block->samples;
+}
+
+void film_aov_add(AovPixel *pixel, const AovSample *sample)
+{
+    if (sample->object == 0) {
+        return;
+    }
+    const AovPixel one = {
+        .albedo = {(double)sample->albedo.r, (double)sample->albedo.g, (double)sample->albedo.b},
+        .normal = {sample->normal.x, sample->normal.y, sample->normal.z},
+        .position = {sample->position.x, sample->position.y, sample->position.z},
+        .depth = sample->depth,
+        .object = sample->object,
+        .material = sample->material,
+        .hits = 1,
+    };
+    film_aov_join(pixel, &one);
+}
+
+void film_aov_join(AovPixel *pixel, const AovPixel *block)
+{
+    if (pixel->hits == 0) {
+        pixel->object = block->object;
+        pixel->material = block->material;
+    }
+    for (int i = 0; i < 3; ++i) {
+        pixel->albedo[i] += block->albedo[i];
+        pixel->normal[i] += block->normal[i];
+        pixel->position[i] += block->position[i];
+    }
+    pixel->depth += block->depth;
+    pixel->hits += block->hits;
+}
+
+static bool film_is_even(const Film *film)
+{
+    const size_t count = film_pixel_count(film);
+    for (size_t p = 0; p < count; ++p) {
+        if (film->pixels[p].samples != film->samples_done) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static FilmMerge can_merge(const Film *film, const Film *part)
+{
+    if (film->width != part->width || film->height != part->height || !film->aovs != !part->aovs) {
+        return FILM_MERGE_SIZE;
+    }
+    if (film->first_sample != 0) {
+        return FILM_MERGE_NOT_HEAD;
+    }
+    if (film->samples_done % SAMPLE_BLOCK != 0 || !film_is_even(film) || !film_is_even(part)) {
+        return FILM_MERGE_INCOMPLETE;
+    }
+    if (part->first_sample == 0 || part->first_sample != film->samples_done) {
+        return FILM_MERGE_GAP;
+    }
+    return FILM_MERGED;
+}
+
+FilmMerge film_merge(Film *film, const Film *part)
+{
+    const FilmMerge verdict = can_merge(film, part);
+    if (verdict != FILM_MERGED) {
+        return verdict;
+    }
+    const size_t count = film_pixel_count(film);
+    for (uint32_t b = 0; b < part->block_count; ++b) {
+        for (size_t p = 0; p < count; ++p) {
+            film_pixel_join(&film->pixels[p], &part->blocks[b * count + p]);
+            if (film->aovs) {
+                film_aov_join(&film->aovs[p], &part->aov_blocks[b * count + p]);
+            }
+        }
+    }
+    film->samples_done += part->samples_done;
+    return FILM_MERGED;
+}
+
+Rgb film_mean(const FilmPixel *pixel)
+{
+    if (pixel->samples == 0) {
+        return rgb_gray(0);
+    }
+    const double n = pixel->samples;
+    return rgb((float)(pixel->sum[0] / n), (float)(pixel->sum[1] / n), (float)(pixel->sum[2] / n));
+}
+
+double film_variance(const FilmPixel *pixel)
+{
+    if (pixel->samples < 2) {
+        return 0;
+    }
+    const double n = pixel->samples;
+    const double mean = luminance_of(pixel->sum[0], pixel->sum[1], pixel->sum[2]) / n;
+    return fmax(0, (pixel->square_sum / n - mean * mean) / (n - 1));
+}
+
+static float film_alpha(const Film *film, size_t p)
+{
+    if (!film->aovs) {
+        return 1;
+    }
+    const uint32_t samples = film->pixels[p].samples;
+    return samples ? (float)((double)film->aovs[p].hits / samples) : 0;
+}
+
+void film_develop(const Film *film, const FilmParams *params, int channels, bool linear, float *out)
+{
+    const float gain = linear ? 1 : (float)exp2(params->exposure);
+    const size_t count = film_pixel_count(film);
+    for (size_t p = 0; p < count; ++p) {
+        Rgb color = film_mean(&film->pixels[p]);
+        if (!linear) {
+            color = tone_apply((ToneCurve)params->tone, rgb_scale(color, gain));
+        }
+        float *to = out + p * (size_t)channels;
+        to[0] = color.r;
+        to[1] = color.g;
+        to[2] = color.b;
+        if (channels == 4) {
+            to[3] = film_alpha(film, p);
+        }
+    }
+}
+
+static const char *const suffixes_rgb[] = {"R", "G", "B"};
+static const char *const suffixes_xyz[] = {"X", "Y", "Z"};
+static const char *const suffixes_z[] = {"Z"};
+static const char *const suffixes_id[] = {"id"};
+static const char *const suffixes_y[] = {"Y"};
+static const char *const suffixes_a[] = {"A"};
+
+const FilmAov film_aovs[AOV_COUNT] = {
+    [AOV_ALBEDO] = {"albedo", 3, suffixes_rgb, false, "the first surface's reflectance"},
+    [AOV_NORMAL] = {"normal", 3, suffixes_xyz, false, "the first surface's shading normal"},
+    [AOV_DEPTH] = {"depth", 1, suffixes_z, false,
+                   "metres along the camera's axis (fisheye, panorama: from the camera)"},
+    [AOV_POSITION] = {"position", 3, suffixes_xyz, false, "the first surface's place, metres"},
+    [AOV_OBJECT_ID] = {"object_id", 1, suffixes_id, true, "number of the shape, from 1; 0: none"},
+    [AOV_MATERIAL_ID] = {"material_id", 1, suffixes_id, true,
+                         "number of the material, from 1; 0: none"},
+    [AOV_VARIANCE] = {"variance", 1, suffixes_y, false,
+                      "variance of the mean luminance, estimated from the samples"},
+    [AOV_ALPHA] = {"alpha", 1, suffixes_a, false, "fraction of the samples that hit something"},
+};
+
+int film_find_aov(Str name)
+{
+    for (int i = 0; i < AOV_COUNT; ++i) {
+        if (str_equal(name, str_from(film_aovs[i].name))) {
+            return i;
+        }
+    }
+    return -1;
+}
+
+static void write_mean(const double *sums, int channels, double hits, float *out)
+{
+    for (int i = 0; i < channels; ++i) {
+        out[i] = hits > 0 ? (float)(sums[i] / hits) : 0;
+    }
+}
+
+bool film_aov(const Film *film, int aov, float *out)
+{
+    if (aov < 0 || aov >= AOV_COUNT || (!film->aovs && aov != AOV_VARIANCE)) {
+        return false;
+    }
+    const int channels = film_aovs[aov].channels;
+    const size_t count = film_pixel_count(film);
+    for (size_t p = 0; p < count; ++p) {
+        float *to = out + p * (size_t)channels;
+        const AovPixel *a = film->aovs ? &film->aovs[p] : NULL;
+        if (aov == AOV_VARIANCE) {
+            to[0] = (float)film_variance(&film->pixels[p]);
+        } else if (aov == AOV_ALPHA) {
+            to[0] = film_alpha(film, p);
+        } else if (aov == AOV_OBJECT_ID || aov == AOV_MATERIAL_ID) {
+            to[0] = (float)(aov == AOV_OBJECT_ID ? a->object : a->material);
+        } else {
+            write_mean(aov == AOV_ALBEDO     ? a->albedo
+                       : aov == AOV_NORMAL   ? a->normal
+                       : aov == AOV_POSITION ? a->position
+                                             : &a->depth,
+                       channels, a->hits, to);
+        }
+    }
+    return true;
+}

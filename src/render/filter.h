@@ -1,0 +1,35 @@
+// Pixel filters, by importance sampling: a sample's place within the filter is drawn with the
+// filter's density and then counts once (Ernst, Stamminger and Greiner 2006, "Filter Importance
+// Sampling"), so that a pixel's samples are its own and no tile writes to another's pixels. All
+// filters are separable, symmetric and nowhere negative.
+#ifndef RENDER_FILTER_H
+#define RENDER_FILTER_H
+
+#include <stdint.h>
+
+typedef enum FilterKind {
+    FILTER_BOX,             // flat; width 1
+    FILTER_TENT,            // 1 - |x|; width 2
+    FILTER_GAUSSIAN,        // standard deviation a sixth of the width; width 3
+    FILTER_BLACKMAN_HARRIS, // the four-term window; width 3
+} FilterKind;
+
+enum { FILTER_CELLS = 256 };
+
+typedef struct PixelFilter {
+    FilterKind kind;
+    double width;                  // of the whole support, pixels
+    double mass[FILTER_CELLS + 1]; // integral of the density up to each cell's start
+    uint16_t guide[FILTER_CELLS];  // the cell where a search for u in [i, i + 1) / CELLS begins
+} PixelFilter;
+
+double filter_default_width(FilterKind kind);
+// width: of the whole support, in pixels; 0: the filter's own.
+void filter_init(PixelFilter *filter, FilterKind kind, double width);
+// The share of the filter's integral that lies left of `x`, where x = 0 is the support's left end
+// and 1 its right one.
+double filter_cumulative(FilterKind kind, double x);
+// The offset from the pixel's centre, in pixels, for u in [0, 1).
+double filter_sample(const PixelFilter *filter, float u);
+
+#endif
