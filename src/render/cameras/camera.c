@@ -1,0 +1,150 @@
+#include "render/camera.h"
+
+void camera_setup(Camera *camera, const CameraParams *params, const Affine *transform, int width,
+                  int height)
+{
+    camera->params = *params;
+    camera->to_world = affine_multiply(transform, &params->frame);
+    const double aspect = (double)width / height;
+    if (params->projection == CAMERA_ORTHOGRAPHIC) {
+        camera->half_height = params->height / 2;
+    } else if (params->projection == CAMERA_PERSPECTIVE) {
+        camera->half_height = tan(params->fov / 2);
+    } else {
+        camera->half_height = params->fov / 2; // fisheye: an angle
+    }
+    camera->half_width = camera->half_height * aspect;
+}
+
+void camera_prepare(Camera *camera, const Scene *scene, uint32_t node, int width, int height)
+{
+    const SceneNode *camera_node = scene_node(scene, CATEGORY_CAMERA, node);
+    camera_setup(camera, scene_params(scene, camera_node),
+                 &scene->transforms.items[camera_node->transform], width, height);
+}
+
+void camera_default(Camera *camera, Box3 bounds, int width, int height)
+{
+    if (box3_is_empty(bounds)) {
+        bounds = (Box3){{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
+    }
+    const Vec3 center = box3_center(bounds);
+    const double radius = fmax(length(sub(bounds.max, bounds.min)) / 2, 1e-9);
+    const double fov = 40 * PI / 180;
+    // The sphere about the box must fit into the narrower of both angles.
+    const double aspect = (double)width / height;
+    const double half = atan(tan(fov / 2) * fmin(1, aspect));
+    const Vec3 from = normalize(vec3(0.5, 0.4, 1));
+    CameraParams params = {
+        .position = add_scaled(center, from, 1.05 * radius / sin(half)),
+        .look_at = center,
+        .up = {0, 1, 0},
+        .fov = fov,
+        .projection = CAMERA_PERSPECTIVE,
+    };
+    const Affine identity = affine_identity();
+    if (!affine_look_at(params.position, center, params.up, &params.frame)) {
+        // Bounds so far away that the step from their centre was lost to rounding.
+        params.frame = affine_translation(params.position);
+    }
+    camera_setup(camera, &params, &identity, width, height);
+}
+
+uint32_t scene_find_camera(const Scene *scene, Str name)
+{
+    const SceneNodeArray *cameras = &scene->nodes[CATEGORY_CAMERA];
+    for (size_t i = 0; i < cameras->count; ++i) {
+        const uint32_t own = cameras->items[i].name;
+        if (own != 0 && str_equal(str_from(scene->names.items[own]), name)) {
+            return (uint32_t)i;
+        }
+    }
+    return NONE_ID;
+}
+
+// The unit square onto the unit disc, keeping areas and neighbours: Shirley and Chiu 1997.
+static Vec2 concentric_disc(double u, double v)
+{
+    const double a = 2 * u - 1, b = 2 * v - 1;
+    if (a == 0 && b == 0) {
+        return (Vec2){0, 0};
+    }
+    const bool wide = fabs(a) > fabs(b);
+    const double r = wide ? a : b;
+    const double phi = wide ? PI / 4 * (b / a) : PI / 2 - PI / 4 * (a / b);
+    return (Vec2){r * cos(phi), r * sin(phi)};
+}
+
+// Moves the chief ray's start over the lens; the point in the plane of focus stays where it is.
+static void through_lens(const CameraParams *params, float u, float v, Vec3 *origin,
+                         Vec3 *direction)
+{
+    const Vec2 on_lens = concentric_disc((double)u, (double)v);
+    const Vec3 shift = vec3(params->aperture * on_lens.x, params->aperture * on_lens.y, 0);
+    // direction.z = -1: the plane of focus is focus_distance directions away.
+    *direction = sub(scale(*direction, params->focus_distance), shift);
+    *origin = add(*origin, shift);
+}
+
+// In the camera's own frame; *direction of any length.
+static bool local_ray(const Camera *camera, double x, double y, float lens_u, float lens_v,
+                      Vec3 *origin, Vec3 *direction)
+{
+    const double right = (2 * x - 1) * camera->half_width, top = (1 - 2 * y) * camera->half_height;
+    *origin = vec3(0, 0, 0);
+    switch (camera->params.projection) {
+    case CAMERA_ORTHOGRAPHIC:
+        *origin = vec3(right, top, 0);
+        *direction = vec3(0, 0, -1);
+        break;
+    case CAMERA_FISHEYE: {
+        const double angle = sqrt(right * right + top * top);
+        const double k = angle > 0 ? sin(angle) / angle : 1;
+        *direction = vec3(right * k, top * k, -cos(angle));
+        return angle <= PI;
+    }
+    case CAMERA_PANORAMA: {
+        const double longitude = (2 * x - 1) * PI, latitude = (0.5 - y) * PI;
+        *direction =
+            vec3(sin(longitude) * cos(latitude), sin(latitude), -cos(longitude) * cos(latitude));
+        return true;
+    }
+    default:
+        *direction = vec3(right, top, -1);
+    }
+    if (camera->params.aperture > 0) {
+        through_lens(&camera->params, lens_u, lens_v, origin, direction);
+    }
+    return true;
+}
+
+bool camera_ray(const Camera *camera, double x, double y, float lens_u, float lens_v, Ray *ray)
+{
+    Vec3 origin, direction;
+    if (!local_ray(camera, x, y, lens_u, lens_v, &origin, &direction)) {
+        return false;
+    }
+    *ray = (Ray){
+        .origin = transform_point(&camera->to_world, origin),
+        .direction = normalize(transform_vector(&camera->to_world, direction)),
+        .tmin = 0,
+        .tmax = INFINITY,
+    };
+    return true;
+}
+
+double camera_depth(const Camera *camera, Vec3 p)
+{
+    const Affine *a = &camera->to_world;
+    const Vec3 d = sub(p, vec3(a->m[0][3], a->m[1][3], a->m[2][3]));
+    if (camera->params.projection == CAMERA_FISHEYE ||
+        camera->params.projection == CAMERA_PANORAMA) {
+        return length(d);
+    }
+    // The axis is normal to the film's plane, also where the transform isn't rigid.
+    const Vec3 right = vec3(a->m[0][0], a->m[1][0], a->m[2][0]);
+    const Vec3 top = vec3(a->m[0][1], a->m[1][1], a->m[2][1]);
+    const Vec3 back = vec3(a->m[0][2], a->m[1][2], a->m[2][2]);
+    const Vec3 normal = normalize(cross(right, top));
+    return dot(normal, back) > 0 ? -dot(d, normal) : dot(d, normal);
+}

@@ -1,0 +1,228 @@
+// The `film` and `render` kinds.
+#include "render/filter.h"
+#include "render/render.h"
+
+// The defaults that a scene without these settings gets, too; written once.
+#define TEXT(x)          TEXT_OF(x)
+#define TEXT_OF(x)       #x
+#define DEFAULT_WIDTH    960
+#define DEFAULT_HEIGHT   540
+#define DEFAULT_EXPOSURE 0
+#define DEFAULT_SAMPLES  64
+#define DEFAULT_BOUNCES  12
+#define DEFAULT_SEED     0
+enum { DEFAULT_FILTER = FILTER_BLACKMAN_HARRIS, DEFAULT_TONE = TONE_SRGB };
+
+static const char *const filters[] = {"box", "tent", "gaussian", "blackman_harris", NULL};
+static const char *const tones[] = {"srgb", "linear", "aces", "filmic", NULL};
+static const char *const samplings[] = {"mis", "light", "bsdf", NULL};
+static const char *const integrators[] = {
+#define INTEGRATOR(id) #id,
+#include "render/nodes.def"
+    NULL,
+};
+
+enum { FILM_AOVS = 7 };
+
+static const Param film_params[] = {
+    {.name = "width",
+     .type = PARAM_INT,
+     PARAM_AT(FilmParams, width),
+     .min = 1,
+     .max = 1 << 20,
+     .default_text = TEXT(DEFAULT_WIDTH),
+     .doc = "pixels from left to right"},
+    {.name = "height",
+     .type = PARAM_INT,
+     PARAM_AT(FilmParams, height),
+     .min = 1,
+     .max = 1 << 20,
+     .default_text = TEXT(DEFAULT_HEIGHT),
+     .doc = "pixels from top to bottom"},
+    {.name = "filter",
+     .type = PARAM_CHOICE,
+     PARAM_AT(FilmParams, filter),
+     .choices = filters,
+     .default_text = "\"blackman_harris\"",
+     .doc = "how a pixel weighs the light around its centre"},
+    {.name = "filter_width",
+     .type = PARAM_NUMBER,
+     PARAM_AT(FilmParams, filter_width),
+     .min = 0,
+     .max = 32,
+     .flags = PARAM_NO_DEFAULT | PARAM_EXCLUDE_MIN,
+     .doc =
+         "of the whole filter, in pixels; its own: box 1, tent 2, gaussian and blackman_harris 3"},
+    {.name = "exposure",
+     .type = PARAM_NUMBER,
+     PARAM_AT(FilmParams, exposure),
+     .min = -100,
+     .max = 100,
+     .default_text = TEXT(DEFAULT_EXPOSURE),
+     .doc = "stops: 1 shows the picture twice as bright; not for linear files such as EXR"},
+    {.name = "tone",
+     .type = PARAM_CHOICE,
+     PARAM_AT(FilmParams, tone),
+     .choices = tones,
+     .default_text = "\"srgb\"",
+     .doc = "the curve from light to a display's values; not for linear files such as EXR"},
+    {.name = "file",
+     .type = PARAM_STRING,
+     PARAM_AT(FilmParams, file),
+     .flags = PARAM_NO_DEFAULT,
+     .doc = "name of the picture, where the command line gives none"},
+    [FILM_AOVS] = {.name = "aovs",
+                   .type = PARAM_STRING_LIST,
+                   PARAM_AT(FilmParams, aovs),
+                   .default_text = "[]",
+                   .doc = "further layers of an EXR: albedo, normal, depth, position, object_id, "
+                          "material_id, variance, alpha"},
+};
+
+static bool film_finish(NodeFinish *finish)
+{
+    const FilmParams *film = finish->params;
+    bool ok = true;
+    for (uint32_t i = 0; i < film->aovs.count; ++i) {
+        const Str name = str_from(film->aovs.items[i]);
+        if (film_find_aov(name) >= 0) {
+            continue;
+        }
+        Diag *diag =
+            finish->report(finish, FILM_AOVS, E0926, "`%s` is not a layer that can be rendered",
+                           film->aovs.items[i]);
+        diag_note(finish->sink, diag,
+                  "layers are albedo, normal, depth, position, object_id, material_id, variance, "
+                  "alpha");
+        ok = false;
+    }
+    return ok;
+}
+
+const NodeType film_kind = {
+    .name = "film",
+    .category = CATEGORY_SETTING,
+    .params = film_params,
+    .param_count = sizeof film_params / sizeof *film_params,
+    .size = sizeof(FilmParams),
+    .doc = "The picture: its size, how pixels are filtered, and how light becomes what a display "
+           "shows.",
+    .formula =
+        "Filters: box; tent 1 - |2x/w|; gaussian exp(-18 (x/w)^2); blackman_harris, the four-term "
+        "window (Harris 1978); w is filter_width. Tone curves: srgb clips to [0, 1]; linear clips "
+        "and isn't encoded; aces is Stephen Hill's fit of the ACES RRT and sRGB ODT; filmic is "
+        "Hable "
+        "2010 (Uncharted 2) with white at 11.2. All but linear end with the sRGB transfer "
+        "function.",
+    .example = "film { width: 1920, height: 1080, exposure: 1, tone: \"aces\"\n"
+               "       aovs: [\"albedo\", \"normal\"] }",
+    .finish = film_finish,
+};
+
+static const Param render_params[] = {
+    {.name = "integrator",
+     .type = PARAM_CHOICE,
+     PARAM_AT(RenderParams, integrator),
+     .choices = integrators,
+     .default_text = "\"path\"",
+     .doc = "what finds the light along a ray"},
+    {.name = "samples",
+     .type = PARAM_INT,
+     PARAM_AT(RenderParams, samples),
+     .min = 1,
+     .max = 1 << 30,
+     .default_text = TEXT(DEFAULT_SAMPLES),
+     .doc = "of each pixel"},
+    {.name = "bounces",
+     .type = PARAM_INT,
+     PARAM_AT(RenderParams, bounces),
+     .min = 0,
+     .max = 1 << 16,
+     .default_text = TEXT(DEFAULT_BOUNCES),
+     .doc = "most scattering events of a path: 0 sees lights only, 1 is direct light"},
+    {.name = "seed",
+     .type = PARAM_INT,
+     PARAM_AT(RenderParams, seed),
+     .min = 0,
+     .max = UINT32_MAX,
+     .default_text = TEXT(DEFAULT_SEED),
+     .doc = "another seed gives other noise; the same one the same bytes"},
+    {.name = "sampling",
+     .type = PARAM_CHOICE,
+     PARAM_AT(RenderParams, sampling),
+     .choices = samplings,
+     .default_text = "\"mis\"",
+     .doc =
+         "how light is looked for: towards lights, where the material scatters, or both, weighted "
+         "(mis); all have the same mean"},
+    {.name = "shadows",
+     .type = PARAM_BOOL,
+     PARAM_AT(RenderParams, shadows),
+     .default_text = "true",
+     .doc = "whether things cast shadows; for the \"local\" integrator"},
+    {.name = "russian_roulette",
+     .type = PARAM_BOOL,
+     PARAM_AT(RenderParams, russian_roulette),
+     .default_text = "true",
+     .doc = "whether faint paths are ended at random; the mean stays the same"},
+    {.name = "clamp",
+     .type = PARAM_NUMBER,
+     PARAM_AT(RenderParams, clamp),
+     .min = 0,
+     .max = INFINITY,
+     .flags = PARAM_NO_DEFAULT | PARAM_EXCLUDE_MIN,
+     .doc = "largest radiance that a sample of indirect light may bring; makes fireflies, and the "
+            "mean, darker"},
+};
+
+const NodeType render_kind = {
+    .name = "render",
+    .category = CATEGORY_SETTING,
+    .params = render_params,
+    .param_count = sizeof render_params / sizeof *render_params,
+    .size = sizeof(RenderParams),
+    .doc = "How the picture is computed.",
+    .example = "render { samples: 256, bounces: 8, seed: 7 }",
+};
+
+FilmParams scene_film(const Scene *scene)
+{
+    const FilmParams *own = scene_setting(scene, "film");
+    if (own) {
+        return *own;
+    }
+    return (FilmParams){
+        .width = DEFAULT_WIDTH,
+        .height = DEFAULT_HEIGHT,
+        .filter = DEFAULT_FILTER,
+        .exposure = DEFAULT_EXPOSURE,
+        .tone = DEFAULT_TONE,
+    };
+}
+
+static int32_t default_integrator(void)
+{
+    for (int32_t i = 0; integrators[i]; ++i) {
+        if (str_equal(str_from(integrators[i]), STR("path"))) {
+            return i;
+        }
+    }
+    return 0;
+}
+
+RenderParams scene_render(const Scene *scene)
+{
+    const RenderParams *own = scene_setting(scene, "render");
+    if (own) {
+        return *own;
+    }
+    return (RenderParams){
+        .integrator = default_integrator(),
+        .samples = DEFAULT_SAMPLES,
+        .bounces = DEFAULT_BOUNCES,
+        .seed = DEFAULT_SEED,
+        .sampling = SAMPLING_MIS,
+        .shadows = true,
+        .russian_roulette = true,
+    };
+}
