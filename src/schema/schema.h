@@ -247,6 +247,9 @@ struct NodeType {
     // wants (min and max from center and size, …). May be NULL. False: the node is not to be kept,
     // which needs at least one error reported.
     bool (*finish)(NodeFinish *finish);
+    // Shapes: the box around one with these parameters, in its own space; infinite where it has no
+    // end. For `bounds(shape)`; NULL: unknown.
+    Box3 (*bounds)(const struct Scene *scene, const void *params);
 };
 
 // The fields that every kind of a category takes beside its own; they are stored in the SceneNode
