@@ -43,14 +43,14 @@ struct Module {
     uint32_t number; // in Eval.modules
     uint32_t file;
     Ast ast;
-    bool is_library; // imported
-    bool parsed;     // false while it is being read, for cycles
-    bool failed;     // could not be parsed: its names are unknown, and that was reported
+    bool is_library;        // imported
+    bool parsed;            // false while it is being read, for cycles
+    bool failed;            // could not be parsed: its names are unknown, and that was reported
     ARRAY(Global) globals;  // names of the file itself, by slot
     uint32_t *global_slots; // hash table of globals: slot + 1
     uint32_t global_mask;
-    uint32_t slot_count;     // of the frame: globals and names of blocks at file level
-    ARRAY(Value) constants;  // colors, decoded
+    uint32_t slot_count;    // of the frame: globals and names of blocks at file level
+    ARRAY(Value) constants; // colors, decoded
     Env *env;
 };
 

@@ -1,5 +1,5 @@
-// Values of the language: 16 bytes with a tag; numbers, bools and ranges unboxed, the rest a pointer
-// to something immutable in an arena of the evaluator.
+// Values of the language: 16 bytes with a tag; numbers, bools and ranges unboxed, the rest a
+// pointer to something immutable in an arena of the evaluator.
 #ifndef LANG_VALUE_H
 #define LANG_VALUE_H
 
