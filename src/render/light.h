@@ -54,8 +54,8 @@ struct LightClass {
     // False after a report.
     bool (*prepare)(const LightPrepare *prepare);
     // Chooses a direction from three numbers in [0, 1). False: nothing comes from there.
-    bool (*sample)(const struct World *world, const Light *light, Vec3 reference, float u0,
-                   float u1, float u2, LightSample *out);
+    bool (*sample)(const struct World *world, const Light *light, Vec3 reference, double u0,
+                   double u1, double u2, LightSample *out);
     // The density with which sample, seen from `reference`, chooses the unit direction that was
     // found to lead to `hit` on this light (NULL: into infinity). NULL for delta lights.
     float (*pdf)(const struct World *world, const Light *light, Vec3 reference, Vec3 direction,
@@ -74,11 +74,12 @@ const Light *light_set_get(const LightSet *set, size_t index);
 // The lights at infinity, one after another: indices of lights; *count of them.
 const uint32_t *light_set_infinite(const LightSet *set, uint32_t *count);
 
-// Chooses a light for a reference point by a number in [0, 1): its index, and the chance of it in
+// Chooses a light for a reference point by a number in [0, 1), of more than 24 bits where there are
+// many lights: its index, and the chance of it in
 // *chance. NONE_ID where there is none to choose. The chance is a mixture of one half by power and
 // one half uniform, so that no light is starved; it doesn't look at the reference point yet, but
 // callers must pass it, since a hierarchy over Light.bounds and power takes its place here.
-uint32_t light_choose(const LightSet *set, Vec3 reference, float u, float *chance);
+uint32_t light_choose(const LightSet *set, Vec3 reference, double u, float *chance);
 // The chance with which light_choose takes `light`.
 float light_chance(const LightSet *set, Vec3 reference, uint32_t light);
 // The index of the light that a hit surface is, or NONE_ID.

@@ -9,6 +9,8 @@
 #ifndef RENDER_SAMPLER_H
 #define RENDER_SAMPLER_H
 
+#include "base/hash.h"
+
 #include <stdint.h>
 
 // Private but for sampler_*(); a few words, to live on the stack.
@@ -40,6 +42,16 @@ static inline float sampler_1d(Sampler *sampler)
         sampler_fill(sampler, dimension >> 2);
     }
     return sampler->values[dimension & 3];
+}
+
+// The same with 53 bits, those beyond the first 24 hashed: for a choice among very many things.
+static inline double sampler_1d_fine(Sampler *sampler)
+{
+    const uint32_t dimension = sampler->dimension;
+    const double coarse = (double)sampler_1d(sampler);
+    const uint32_t more =
+        hash_combine(hash_combine(sampler->seed, sampler->reversed_index), dimension);
+    return coarse + 0x1p-24 * ((double)(more >> 3) * 0x1p-29);
 }
 
 // Two numbers, from two dimensions of one set (a fourth dimension left over is passed over).

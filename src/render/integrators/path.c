@@ -1,0 +1,285 @@
+// Unidirectional path tracing with next-event estimation, weighted by multiple importance sampling
+// (Kajiya 1986; Veach and Guibas 1995, power heuristic).
+//
+// At each surface one light is chosen and one direction on it (light sampling), and one direction
+// is chosen by the material (BSDF sampling), along which the path goes on; light that this ray hits
+// counts too, with weights that sum to one. `sampling` leaves one of the two out, where the other
+// can find the light at all: the mean stays the same.
+#include "render/integrator.h"
+
+// Numbers of the sampler for each surface, two sets of four: two on the light, choice of the light
+// and of its part; two for the direction, choice of the lobe, roulette.
+enum { DIMENSIONS_PER_SURFACE = 8 };
+// Roulette begins after this many scatterings.
+enum { ROULETTE_START = 3 };
+// Surfaces that let light pass don't count as scatterings, but a path crosses no more than this.
+enum { MAX_PASSES = 1024 };
+
+typedef struct Path {
+    const World *world;
+    Sampler *sampler;
+    IntegratorStats *stats;
+    Rgb throughput; // of the path so far
+    Rgb radiance;   // found so far
+    int64_t depth;  // scatterings so far
+    // How the present ray's direction was chosen, for the weight of light that it hits.
+    Vec3 reference; // where it was chosen
+    float pdf;      // by solid angle
+    bool certain;   // by the camera or a delta lobe: no light sampling competes
+} Path;
+
+// The numbers of one surface, drawn together so that their dimensions are fixed.
+typedef struct SurfaceNumbers {
+    double light, light_part;
+    float light_u, light_v, u, v, lobe, roulette;
+} SurfaceNumbers;
+
+static SurfaceNumbers draw_numbers(Sampler *sampler, uint32_t dimension)
+{
+    SurfaceNumbers n;
+    sampler_seek(sampler, dimension);
+    sampler_2d(sampler, &n.light_u, &n.light_v);
+    n.light = sampler_1d_fine(sampler);
+    n.light_part = sampler_1d_fine(sampler);
+    sampler_2d(sampler, &n.u, &n.v);
+    n.lobe = sampler_1d(sampler);
+    n.roulette = sampler_1d(sampler);
+    return n;
+}
+
+static void add_radiance(Path *path, Rgb radiance, float weight)
+{
+    Rgb part = rgb_scale(rgb_mul(path->throughput, radiance), weight);
+    float clamp = path->world->clamp;
+    if (clamp > 0 && path->depth >= 2) {
+        part = rgb(fminf(part.r, clamp), fminf(part.g, clamp), fminf(part.b, clamp));
+    }
+    path->radiance = rgb_add(path->radiance, part);
+}
+
+// p² / (p² + q²), safe where squares overflow.
+static float power_heuristic(float p, float q)
+{
+    if (!(p > 0)) {
+        return 0;
+    }
+    float ratio = q / p;
+    return 1 / (1 + ratio * ratio);
+}
+
+// The weight of light that the present ray hit, which light sampling would have found with
+// light_pdf.
+static float hit_weight(const Path *path, float light_pdf)
+{
+    if (path->certain || !(light_pdf > 0)) {
+        return 1;
+    }
+    switch (path->world->sampling) {
+    case SAMPLING_LIGHT:
+        return 0;
+    case SAMPLING_BSDF:
+        return 1;
+    default:
+        return power_heuristic(path->pdf, light_pdf);
+    }
+}
+
+static float hit_light_pdf(const Path *path, uint32_t index, Vec3 direction, const Surface *hit)
+{
+    const World *world = path->world;
+    float chance = light_chance(world->lights, path->reference, index);
+    if (path->certain || !(chance > 0)) {
+        return 0;
+    }
+    const Light *light = light_set_get(world->lights, index);
+    return chance * light->class->pdf(world, light, path->reference, direction, hit);
+}
+
+static void add_escaped(Path *path, Vec3 direction)
+{
+    const World *world = path->world;
+    uint32_t count;
+    const uint32_t *infinite = light_set_infinite(world->lights, &count);
+    for (uint32_t i = 0; i < count; ++i) {
+        const Light *light = light_set_get(world->lights, infinite[i]);
+        Rgb radiance = light->class->escaped(world, light, direction);
+        float pdf = hit_light_pdf(path, infinite[i], direction, NULL);
+        add_radiance(path, radiance, hit_weight(path, pdf));
+    }
+}
+
+static void add_emitted(Path *path, const Surface *surface, Vec3 direction)
+{
+    const World *world = path->world;
+    uint32_t index = light_of_surface(world, surface);
+    if (index == NONE_ID) {
+        return;
+    }
+    const Light *light = light_set_get(world->lights, index);
+    Rgb radiance = light->class->emitted(world, light, surface);
+    if (!rgb_is_black(radiance)) {
+        float pdf = hit_light_pdf(path, index, direction, surface);
+        add_radiance(path, radiance, hit_weight(path, pdf));
+    }
+}
+
+// Light sampling: one direction to one light.
+static void add_direct(Path *path, const ShadingPoint *point, const SurfaceNumbers *n)
+{
+    const World *world = path->world;
+    const Surface *surface = point->surface;
+    float chance;
+    uint32_t index = light_choose(world->lights, surface->p, n->light, &chance);
+    if (index == NONE_ID) {
+        return;
+    }
+    const Light *light = light_set_get(world->lights, index);
+    LightSample s;
+    if (!light->class->sample(world, light, surface->p, (double)n->light_u, (double)n->light_v,
+                              n->light_part, &s) ||
+        rgb_is_black(s.value) || (world->sampling == SAMPLING_BSDF && !s.delta)) {
+        return;
+    }
+    Vec3 wi = to_local(&point->frame, s.direction);
+    BsdfEval bsdf = material_eval(point, surface->material, wi);
+    if (rgb_is_black(bsdf.value)) {
+        return;
+    }
+    double distance;
+    Ray shadow = isfinite(s.distance) ? surface_spawn_to(surface, s.point, s.error, &distance)
+                                      : surface_spawn(surface, s.direction);
+    ++path->stats->shadow_rays;
+    Rgb visible = world_visibility(world, &shadow);
+    if (rgb_is_black(visible)) {
+        return;
+    }
+    float pdf = s.pdf * chance;
+    bool alone = s.delta || world->sampling == SAMPLING_LIGHT;
+    float weight = alone ? 1 : power_heuristic(pdf, bsdf.pdf);
+    ++path->depth; // the light has been scattered here
+    add_radiance(path, rgb_mul(rgb_mul(s.value, bsdf.value), visible), weight / pdf);
+    --path->depth;
+}
+
+// Ends paths by chance, the dimmer the sooner; what survives is brighter by as much.
+static bool roulette(Path *path, float number)
+{
+    if (!path->world->russian_roulette || path->depth < ROULETTE_START) {
+        return true;
+    }
+    float survival = rgb_max(path->throughput);
+    if (survival >= 1) {
+        return true;
+    }
+    if (!(number < survival)) {
+        return false;
+    }
+    path->throughput = rgb_scale(path->throughput, 1 / survival);
+    return true;
+}
+
+// Nothing can be found by going on after the last scattering where no ray can hit a light.
+static bool last_ray_needed(const World *world)
+{
+    uint32_t infinite;
+    light_set_infinite(world->lights, &infinite);
+    return world->shape_lights || infinite > 0;
+}
+
+// Chooses the next ray; false where the path ends.
+static bool scatter(Path *path, const ShadingPoint *point, const SurfaceNumbers *n, Ray *ray)
+{
+    const World *world = path->world;
+    BsdfSample s;
+    if (!material_sample(point, point->surface->material, n->lobe, n->u, n->v, &s)) {
+        return false;
+    }
+    path->throughput = rgb_mul(path->throughput, s.weight);
+    if (rgb_is_black(path->throughput)) {
+        return false;
+    }
+    Vec3 direction = ray->direction;
+    if (!(s.lobes & LOBE_PASS)) {
+        ++path->depth;
+        if ((path->depth == world->bounces && !last_ray_needed(world)) ||
+            !roulette(path, n->roulette)) {
+            return false;
+        }
+        path->reference = point->surface->p;
+        path->pdf = s.pdf;
+        path->certain = s.lobes & LOBE_DELTA;
+        direction = normalize(from_local(&point->frame, s.wi));
+    }
+    *ray = surface_spawn(point->surface, direction);
+    return true;
+}
+
+static void fill_aov(const Hit *hit, const ShadingPoint *point, AovSample *aov)
+{
+    const Surface *surface = point->surface;
+    aov->albedo = material_albedo(point, surface->material);
+    aov->normal = surface->front ? surface->shading : neg(surface->shading);
+    aov->position = surface->p;
+    aov->depth = hit->t;
+    aov->object = surface->shape + 1;
+    aov->material = surface->material == NONE_ID ? 0 : surface->material + 1;
+}
+
+static void trace(Path *path, Ray ray, AovSample *aov)
+{
+    const World *world = path->world;
+    uint32_t dimension = path->sampler->dimension;
+    for (int64_t i = 0; i < world->bounces + MAX_PASSES; ++i) {
+        Hit hit;
+        ++path->stats->rays;
+        if (!accel_intersect(world->accel, &ray, &hit)) {
+            add_escaped(path, ray.direction);
+            return;
+        }
+        Surface surface;
+        accel_surface(world->accel, &ray, &hit, &surface);
+        add_emitted(path, &surface, ray.direction);
+        if (path->depth >= world->bounces && !(aov && i == 0)) {
+            return;
+        }
+        ShadingPoint point;
+        shading_point(world, &surface, ray.direction, &point);
+        if (aov && i == 0) {
+            fill_aov(&hit, &point, aov);
+            if (path->depth >= world->bounces) {
+                return;
+            }
+        }
+        SurfaceNumbers n =
+            draw_numbers(path->sampler, dimension + (uint32_t)i * DIMENSIONS_PER_SURFACE);
+        if (world_material(world, surface.material)->lobes & LOBE_SMOOTH) {
+            add_direct(path, &point, &n);
+        }
+        if (!scatter(path, &point, &n, &ray)) {
+            return;
+        }
+    }
+}
+
+static Rgb radiance(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
+                    IntegratorStats *stats)
+{
+    Path path = {.world = world,
+                 .sampler = sampler,
+                 .stats = stats,
+                 .throughput = rgb_gray(1),
+                 .certain = true};
+    trace(&path, *ray, aov);
+    Rgb found = path.radiance;
+    if (!rgb_is_finite(found) || found.r < 0 || found.g < 0 || found.b < 0) {
+        ++stats->bad_samples;
+        return rgb_gray(0);
+    }
+    return found;
+}
+
+const IntegratorClass path_integrator = {
+    .name = "path",
+    .doc = "All light by path tracing: indirect light, soft shadows, reflections, refraction.",
+    .radiance = radiance,
+};

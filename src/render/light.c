@@ -1,0 +1,381 @@
+#include "render/light.h"
+
+#include "base/hash.h"
+#include "base/mem.h"
+#include "render/distribution.h"
+#include "render/lights/area_light.h"
+#include "render/world.h"
+
+#include <string.h>
+
+// Finds the light that a (shape, instance) is: open addressing, at most half full.
+typedef struct ShapeSlot {
+    uint32_t shape, instance, light; // light = NONE_ID: free
+} ShapeSlot;
+
+struct LightSet {
+    ARRAY(Light) lights;
+    uint32_t *infinite;
+    uint32_t infinite_count;
+    AliasTable by_power; // over `chosen`
+    uint32_t *chosen;    // lights of power > 0
+    uint32_t *chosen_at; // light → place in `chosen`, or NONE_ID
+    ShapeSlot *slots;    // NULL: no shape is a light
+    uint32_t slot_mask;
+};
+
+static uint32_t slot_of(uint32_t shape, uint32_t instance, uint32_t mask)
+{
+    return hash_combine(hash_u32(shape), instance) & mask;
+}
+
+static uint32_t find_shape(const LightSet *set, uint32_t shape, uint32_t instance)
+{
+    for (uint32_t i = slot_of(shape, instance, set->slot_mask);; i = (i + 1) & set->slot_mask) {
+        const ShapeSlot *slot = &set->slots[i];
+        if (slot->light == NONE_ID || (slot->shape == shape && slot->instance == instance)) {
+            return slot->light;
+        }
+    }
+}
+
+uint32_t light_of_surface(const World *world, const Surface *surface)
+{
+    const LightSet *set = world->lights;
+    if (!set->slots) {
+        return NONE_ID;
+    }
+    bool emits = world_material(world, surface->material)->lobes & LOBE_EMIT;
+    if (!emits) {
+        const SceneNode *node = scene_node(world->scene, CATEGORY_SHAPE, surface->shape);
+        emits = node->flags & NODE_LIGHT_ONLY;
+    }
+    return emits ? find_shape(set, surface->shape, surface->instance) : NONE_ID;
+}
+
+// --- Building -----------------------------------------------------------------------------------
+
+typedef struct Builder {
+    World *world;
+    LightSet *set;
+    Arena *arena;
+    DiagSink *sink;
+    bool out_of_memory;
+} Builder;
+
+static void push(Builder *b, Light light)
+{
+    if (b->set->lights.count >= NONE_ID || !array_push(&b->set->lights, light)) {
+        b->out_of_memory = true;
+    }
+}
+
+// One light of a light node, as it stands in the world or in an instance.
+static void push_node(Builder *b, uint32_t id, uint32_t instance)
+{
+    const Scene *scene = b->world->scene;
+    const SceneNode *node = scene_node(scene, CATEGORY_LIGHT, id);
+    const LightClass *class = (const LightClass *)scene_node_type(scene, node);
+    Light light = {.class = class,
+                   .params = scene_params(scene, node),
+                   .node = id,
+                   .shape = NONE_ID,
+                   .instance = instance,
+                   .to_world = scene->transforms.items[node->transform],
+                   .bounds = box3_empty()};
+    if (instance != NONE_ID) {
+        const Affine *outer = &scene->transforms.items[scene->instances.items[instance].transform];
+        light.to_world = affine_multiply(outer, &light.to_world);
+    }
+    if (class == &area_light_light) {
+        light.shape = ((const AreaLight *)light.params)->shape;
+        light.to_world = accel_to_world(b->world->accel, light.shape, instance);
+    }
+    push(b, light);
+}
+
+static void push_nodes(Builder *b)
+{
+    const Scene *scene = b->world->scene;
+    for (uint32_t id = 0; id < scene->nodes[CATEGORY_LIGHT].count; ++id) {
+        uint32_t prototype = scene_node(scene, CATEGORY_LIGHT, id)->prototype;
+        if (prototype == 0) {
+            push_node(b, id, NONE_ID);
+            continue;
+        }
+        for (uint32_t i = 0; i < scene->instances.count; ++i) {
+            if (scene->instances.items[i].prototype == prototype) {
+                push_node(b, id, i);
+            }
+        }
+    }
+}
+
+static bool emits(const World *world, uint32_t material)
+{
+    return world_material(world, material)->lobes & LOBE_EMIT;
+}
+
+static void push_shape(Builder *b, uint32_t shape, uint32_t instance)
+{
+    push(b, (Light){.class = &emissive_shape_light,
+                    .node = NONE_ID,
+                    .shape = shape,
+                    .instance = instance,
+                    .to_world = accel_to_world(b->world->accel, shape, instance),
+                    .bounds = box3_empty()});
+}
+
+// The shapes of prototypes that may emit, grouped by prototype: those of prototype p are
+// items[first[p]] to items[first[p + 1] - 1].
+typedef struct Candidates {
+    uint32_t *first, *items;
+} Candidates;
+
+static bool may_emit_in_instance(const World *world, const SceneNode *node)
+{
+    return node->prototype != 0 && !(node->flags & NODE_LIGHT_ONLY) &&
+           (node->material == NONE_ID || emits(world, node->material));
+}
+
+static bool find_candidates(const World *world, Candidates *out)
+{
+    const Scene *scene = world->scene;
+    size_t prototypes = scene->prototypes.count;
+    uint32_t shapes = (uint32_t)scene->nodes[CATEGORY_SHAPE].count, total = 0;
+    out->first = mem_alloc_zeroed(prototypes + 1, sizeof *out->first);
+    out->items = NULL;
+    if (!out->first) {
+        return false;
+    }
+    for (uint32_t s = 0; s < shapes; ++s) {
+        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, s);
+        out->first[node->prototype] += may_emit_in_instance(world, node);
+    }
+    for (size_t p = 0; p <= prototypes; ++p) {
+        total += out->first[p];
+        out->first[p] = total; // one after the last of p; filling moves it to the first
+    }
+    out->items = mem_alloc((size_t)total + 1, sizeof *out->items);
+    if (!out->items) {
+        return false;
+    }
+    for (uint32_t s = shapes; s-- > 0;) {
+        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, s);
+        if (may_emit_in_instance(world, node)) {
+            out->items[--out->first[node->prototype]] = s;
+        }
+    }
+    return true;
+}
+
+static void push_instanced(Builder *b)
+{
+    const Scene *scene = b->world->scene;
+    Candidates candidates;
+    if (scene->instances.count == 0) {
+        return;
+    }
+    if (find_candidates(b->world, &candidates)) {
+        for (uint32_t i = 0; i < scene->instances.count; ++i) {
+            const SceneInstance *instance = &scene->instances.items[i];
+            bool inherits = instance->material != NONE_ID && emits(b->world, instance->material);
+            for (uint32_t k = candidates.first[instance->prototype];
+                 k < candidates.first[instance->prototype + 1]; ++k) {
+                uint32_t shape = candidates.items[k];
+                bool own = scene_node(scene, CATEGORY_SHAPE, shape)->material != NONE_ID;
+                if (own || inherits) {
+                    push_shape(b, shape, i);
+                }
+            }
+        }
+    } else {
+        b->out_of_memory = true;
+    }
+    mem_free(candidates.first);
+    mem_free(candidates.items);
+}
+
+static void push_emitting_shapes(Builder *b)
+{
+    const Scene *scene = b->world->scene;
+    if (!(b->world->all_lobes & LOBE_EMIT)) {
+        return;
+    }
+    for (uint32_t s = 0; s < scene->nodes[CATEGORY_SHAPE].count; ++s) {
+        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, s);
+        if (node->prototype == 0 && !(node->flags & NODE_LIGHT_ONLY) && node->material != NONE_ID &&
+            emits(b->world, node->material)) {
+            push_shape(b, s, NONE_ID);
+        }
+    }
+    push_instanced(b);
+}
+
+static Span light_span(const Scene *scene, const Light *light)
+{
+    return light->node != NONE_ID ? scene_node(scene, CATEGORY_LIGHT, light->node)->at
+                                  : scene_node(scene, CATEGORY_SHAPE, light->shape)->at;
+}
+
+static void prepare_lights(Builder *b)
+{
+    for (size_t i = 0; i < b->set->lights.count; ++i) {
+        Light *light = &b->set->lights.items[i];
+        uint32_t errors = b->sink->errors;
+        Span at = light_span(b->world->scene, light);
+        LightPrepare prepare = {b->world, light, b->arena, b->sink, at};
+        if (!light->class->prepare(&prepare) && b->sink->errors == errors) {
+            b->out_of_memory = true;
+        }
+        if (!(light->power > 0) || !isfinite(light->power)) {
+            light->power = 0;
+        }
+    }
+}
+
+static void index_shapes(Builder *b)
+{
+    LightSet *set = b->set;
+    size_t shapes = 0, size = 4;
+    for (size_t i = 0; i < set->lights.count; ++i) {
+        shapes += set->lights.items[i].shape != NONE_ID;
+    }
+    if (shapes == 0) {
+        return;
+    }
+    while (size < 2 * shapes) {
+        size *= 2;
+    }
+    set->slots = size > (size_t)1 << 31 ? NULL : arena_array(b->arena, size, sizeof *set->slots);
+    if (!set->slots) {
+        b->out_of_memory = true;
+        return;
+    }
+    memset(set->slots, 0xff, size * sizeof *set->slots);
+    set->slot_mask = (uint32_t)(size - 1);
+    for (uint32_t i = 0; i < set->lights.count; ++i) {
+        const Light *light = &set->lights.items[i];
+        if (light->shape == NONE_ID) {
+            continue;
+        }
+        if (find_shape(set, light->shape, light->instance) != NONE_ID) {
+            diag_report(b->sink, E0935, light_span(b->world->scene, light),
+                        "two lights stand on one shape");
+            continue;
+        }
+        uint32_t slot = slot_of(light->shape, light->instance, set->slot_mask);
+        while (set->slots[slot].light != NONE_ID) {
+            slot = (slot + 1) & set->slot_mask;
+        }
+        set->slots[slot] = (ShapeSlot){light->shape, light->instance, i};
+    }
+    b->world->shape_lights = true;
+}
+
+static void make_tables(Builder *b)
+{
+    LightSet *set = b->set;
+    size_t count = set->lights.count;
+    set->infinite = arena_array(b->arena, count + 1, sizeof *set->infinite);
+    set->chosen = arena_array(b->arena, count + 1, sizeof *set->chosen);
+    set->chosen_at = arena_array(b->arena, count + 1, sizeof *set->chosen_at);
+    double *weights = arena_array(b->arena, count + 1, sizeof *weights);
+    if (!set->infinite || !set->chosen || !set->chosen_at || !weights) {
+        b->out_of_memory = true;
+        return;
+    }
+    uint32_t chosen = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const Light *light = &set->lights.items[i];
+        if (light->class->infinite) {
+            set->infinite[set->infinite_count++] = i;
+        }
+        set->chosen_at[i] = NONE_ID;
+        if (light->power > 0) {
+            weights[chosen] = light->power;
+            set->chosen_at[i] = chosen;
+            set->chosen[chosen++] = i;
+        }
+    }
+    if (!alias_table_build(&set->by_power, b->arena, weights, chosen)) {
+        b->out_of_memory = true;
+    }
+}
+
+LightSet *light_set_build(World *world, Arena *arena, DiagSink *sink)
+{
+    uint32_t errors = sink->errors;
+    LightSet *set = mem_alloc_zeroed(1, sizeof *set);
+    Builder b = {world, set, arena, sink, set == NULL};
+    if (set) {
+        push_nodes(&b);
+        push_emitting_shapes(&b);
+        prepare_lights(&b);
+        index_shapes(&b);
+        make_tables(&b);
+    }
+    if (b.out_of_memory && sink->errors == errors) {
+        diag_report(sink, E0001, (Span){0}, "no memory for the lights");
+    }
+    if (sink->errors != errors) {
+        light_set_free(set);
+        return NULL;
+    }
+    return set;
+}
+
+void light_set_free(LightSet *set)
+{
+    if (set) {
+        array_free(&set->lights);
+        mem_free(set);
+    }
+}
+
+// --- Choosing -----------------------------------------------------------------------------------
+
+size_t light_set_count(const LightSet *set)
+{
+    return set->lights.count;
+}
+
+const Light *light_set_get(const LightSet *set, size_t index)
+{
+    return &set->lights.items[index];
+}
+
+const uint32_t *light_set_infinite(const LightSet *set, uint32_t *count)
+{
+    *count = set->infinite_count;
+    return set->infinite;
+}
+
+static float mixed_chance(const LightSet *set, uint32_t chosen)
+{
+    return 0.5f * (set->by_power.chance[chosen] + 1 / (float)set->by_power.count);
+}
+
+uint32_t light_choose(const LightSet *set, Vec3 reference, double u, float *chance)
+{
+    (void)reference;
+    uint32_t count = set->by_power.count;
+    if (count == 0) {
+        return NONE_ID;
+    }
+    uint32_t chosen;
+    if (u < 0.5) {
+        chosen = alias_table_choose(&set->by_power, 2 * u);
+    } else {
+        double place = (2 * u - 1) * count;
+        chosen = place < count ? (uint32_t)place : count - 1;
+    }
+    *chance = mixed_chance(set, chosen);
+    return set->chosen[chosen];
+}
+
+float light_chance(const LightSet *set, Vec3 reference, uint32_t light)
+{
+    (void)reference;
+    return set->chosen_at[light] == NONE_ID ? 0 : mixed_chance(set, set->chosen_at[light]);
+}

@@ -1,0 +1,267 @@
+// Shapes that emit: by an area_light node, or by their material.
+#include "render/lights/area_light.h"
+
+#include "render/photometry.h"
+#include "render/world.h"
+
+enum { SHAPE, RADIANCE, POWER, TWO_SIDED };
+
+static const Param PARAMS[] = {
+    [SHAPE] = {.name = "shape",
+               .type = PARAM_NODE,
+               PARAM_AT(AreaLight, shape),
+               .category = CATEGORY_SHAPE,
+               .flags = PARAM_REQUIRED,
+               .doc = "What emits: any shape of finite area. It is seen, and its own material "
+                      "reflects."},
+    [RADIANCE] = {.name = "radiance",
+                  .type = PARAM_EMISSION,
+                  PARAM_AT(AreaLight, radiance),
+                  .dims = DIM_BIT(DIM_NONE) | DIM_BIT(DIM_LUMINANCE),
+                  .si = "W/m²/sr",
+                  .min = 0,
+                  .max = INFINITY,
+                  .flags = PARAM_NO_DEFAULT,
+                  .doc =
+                      "What it emits in every direction: a number (W/m²/sr or nit) times `color`, "
+                      "a color, or a texture; or give `power`."},
+    [POWER] = {.name = "power",
+               .type = PARAM_QUANTITY,
+               PARAM_AT(AreaLight, power),
+               .dims = DIM_BIT(DIM_POWER) | DIM_BIT(DIM_LUMINOUS_FLUX),
+               .min = 0,
+               .max = INFINITY,
+               .flags = PARAM_NO_DEFAULT,
+               .doc = "The whole emitted flux, in W or lm; or give `radiance`."},
+    [TWO_SIDED] = {.name = "two_sided",
+                   .type = PARAM_BOOL,
+                   PARAM_AT(AreaLight, two_sided),
+                   .default_text = "false",
+                   .doc = "Does the back emit too? Else only the front side does: the outside of "
+                          "closed shapes."},
+};
+
+static bool finish(NodeFinish *finish)
+{
+    AreaLight *light = finish->params;
+    bool has_radiance = finish->set & (1u << RADIANCE), has_power = finish->set & (1u << POWER);
+    if (has_radiance == has_power) {
+        finish->report(finish, has_power ? POWER : -1, E0930,
+                       "`area_light` takes either `radiance` or `power`, %s",
+                       has_power ? "not both" : "and has neither");
+        return false;
+    }
+    light->by_power = has_power;
+    if (!has_radiance) {
+        light->radiance = (Emission){.texture = NONE_ID};
+    }
+    bool bright = has_power ? quantity_to_rgb(light->power, finish->color, &light->strength)
+                            : emission_to_rgb(&light->radiance, finish->color, &light->strength);
+    if (!bright) {
+        finish->report(finish, has_power ? POWER : RADIANCE, E0932,
+                       "a black light can't have a photometric %s",
+                       has_power ? "power" : "radiance");
+    }
+    return bright;
+}
+
+// What both classes keep of a shape.
+typedef struct AreaData {
+    const ShapeClass *class;
+    const void *shape; // its parameters
+    void *table;       // for sample_area
+    double area;       // m²
+    Affine to_world, to_object;
+    uint32_t material; // of an emitting shape; NONE_ID for an area_light
+    Rgb radiance;      // of an area_light, before the texture
+    uint32_t texture;
+    bool two_sided;
+} AreaData;
+
+// The material that a shape of an instance has.
+static uint32_t shape_material(const Scene *scene, uint32_t shape, uint32_t instance)
+{
+    uint32_t own = scene_node(scene, CATEGORY_SHAPE, shape)->material;
+    return own == NONE_ID && instance != NONE_ID ? scene->instances.items[instance].material : own;
+}
+
+// Geometry that both classes need. light->shape, instance and to_world are set.
+static AreaData *prepare_shape(const LightPrepare *prepare)
+{
+    const Scene *scene = prepare->world->scene;
+    Light *light = prepare->light;
+    const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, light->shape);
+    AreaData *data = ARENA_NEW(prepare->arena, AreaData);
+    if (!data || !affine_inverse(&light->to_world, &data->to_object)) {
+        return NULL;
+    }
+    data->class = shape_class(scene, node);
+    data->shape = scene_params(scene, node);
+    data->to_world = light->to_world;
+    data->texture = NONE_ID;
+    data->material = NONE_ID;
+    data->area = data->class->area && data->class->sample_area
+                     ? data->class->area(scene, data->shape, &data->to_world)
+                     : INFINITY;
+    if (isfinite(data->area) && data->class->prepare_sampling) {
+        data->table =
+            data->class->prepare_sampling(scene, data->shape, &data->to_world, prepare->arena);
+        if (!data->table) {
+            return NULL;
+        }
+    }
+    light->bounds = transform_box(&data->to_world, data->class->bounds(scene, data->shape));
+    light->data = data;
+    return data;
+}
+
+// The power of a surface that emits radiance L diffusely is π A L (twice for two sides). Light that
+// spreads over an infinite surface can't be sampled: its power counts as zero.
+static double diffuse_power(const AreaData *data, Rgb radiance)
+{
+    double power = PI * data->area * (double)luminance(radiance) * (data->two_sided ? 2 : 1);
+    return isfinite(power) ? power : 0;
+}
+
+static bool prepare_area_light(const LightPrepare *prepare)
+{
+    const AreaLight *params = prepare->light->params;
+    AreaData *data = prepare_shape(prepare);
+    if (!data) {
+        return false;
+    }
+    data->two_sided = params->two_sided;
+    data->texture = params->radiance.texture;
+    data->radiance = params->strength;
+    if (params->by_power) {
+        if (!(data->area > 0) || !isfinite(data->area)) {
+            diag_report(prepare->sink, E0933, prepare->at,
+                        "a shape of %s area can't emit a given power; give `radiance`",
+                        data->area > 0 ? "infinite" : "no");
+            return false;
+        }
+        double sides = params->two_sided ? 2 : 1;
+        data->radiance = rgb_scale(params->strength, (float)(1 / (PI * data->area * sides)));
+        data->texture = NONE_ID;
+    }
+    Rgb mean = data->texture == NONE_ID
+                   ? data->radiance
+                   : rgb_mul(data->radiance, texture_mean(prepare->world->textures, data->texture));
+    prepare->light->power = diffuse_power(data, mean);
+    return true;
+}
+
+static bool prepare_emissive(const LightPrepare *prepare)
+{
+    const World *world = prepare->world;
+    AreaData *data = prepare_shape(prepare);
+    if (!data) {
+        return false;
+    }
+    data->material = shape_material(world->scene, prepare->light->shape, prepare->light->instance);
+    prepare->light->power = diffuse_power(data, material_emitted_mean(world, data->material));
+    return true;
+}
+
+static Rgb emitted(const World *world, const Light *light, const Surface *hit)
+{
+    const AreaData *data = light->data;
+    if (data->material != NONE_ID) {
+        return material_emitted(world, data->material, hit);
+    }
+    if (!hit->front && !data->two_sided) {
+        return rgb_gray(0);
+    }
+    return data->texture == NONE_ID
+               ? data->radiance
+               : rgb_mul(data->radiance, texture_color(world->textures, data->texture, hit));
+}
+
+// Sampled by solid angle where the shape can, else by area.
+static bool sample(const World *world, const Light *light, Vec3 reference, double u0, double u1,
+                   double u2, LightSample *out)
+{
+    const AreaData *data = light->data;
+    ShapeSample s;
+    bool by_angle =
+        data->class->sample_solid_angle &&
+        data->class->sample_solid_angle(data->shape, &data->to_world, reference, u0, u1, &s);
+    if (!by_angle) {
+        data->class->sample_area(world->scene, data->shape, &data->to_world, data->table, u0, u1,
+                                 u2, &s);
+    }
+    Vec3 to = sub(s.point.p, reference);
+    double r2 = length_squared(to);
+    if (!(r2 > 0) || !(s.pdf > 0)) {
+        return false;
+    }
+    double r = sqrt(r2);
+    out->direction = scale(to, 1 / r);
+    double facing = -dot(out->direction, s.point.geometric);
+    if (facing == 0) {
+        return false;
+    }
+    Surface surface = {.p = s.point.p,
+                       .geometric = s.point.geometric,
+                       .shading = s.point.shading,
+                       .tangent = s.point.tangent,
+                       .object_p = transform_point(&data->to_object, s.point.p),
+                       .uv = s.point.uv,
+                       .color = s.point.color,
+                       .error = s.point.error,
+                       .shape = light->shape,
+                       .instance = light->instance,
+                       .primitive = s.primitive,
+                       .material = data->material,
+                       .front = facing > 0};
+    out->distance = r;
+    out->point = s.point.p;
+    out->error = s.point.error;
+    out->value = emitted(world, light, &surface);
+    out->pdf = (float)(by_angle ? s.pdf : s.pdf * r2 / fabs(facing));
+    out->delta = false;
+    return out->pdf > 0 && isfinite(out->pdf);
+}
+
+static float pdf(const World *world, const Light *light, Vec3 reference, Vec3 direction,
+                 const Surface *hit)
+{
+    (void)world;
+    const AreaData *data = light->data;
+    if (data->class->solid_angle_pdf) {
+        double by_angle =
+            data->class->solid_angle_pdf(data->shape, &data->to_world, reference, direction);
+        if (by_angle > 0) {
+            return (float)by_angle;
+        }
+    }
+    double facing = fabs(dot(direction, hit->geometric));
+    double by_area = length_squared(sub(hit->p, reference)) / (facing * data->area);
+    return isfinite(by_area) ? (float)by_area : 0;
+}
+
+const LightClass area_light_light = {
+    .node = {.name = "area_light",
+             .category = CATEGORY_LIGHT,
+             .params = PARAMS,
+             .param_count = sizeof PARAMS / sizeof *PARAMS,
+             .size = sizeof(AreaLight),
+             .doc =
+                 "A shape that emits light diffusely from its front side: a lamp with a size, and "
+                 "so with soft shadows.",
+             .formula = "L = radiance, or Φ / (π A), halved if two-sided",
+             .example = "area_light { shape: rectangle { corner: (-1, 3, -1), u: (2, 0, 0), v: "
+                        "(0, 0, 2) }, power: 4000lm, color: blackbody(4000K) }",
+             .finish = finish},
+    .prepare = prepare_area_light,
+    .sample = sample,
+    .pdf = pdf,
+    .emitted = emitted,
+};
+
+const LightClass emissive_shape_light = {
+    .prepare = prepare_emissive,
+    .sample = sample,
+    .pdf = pdf,
+    .emitted = emitted,
+};

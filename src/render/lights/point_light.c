@@ -1,0 +1,116 @@
+// A point that emits the same in all directions.
+#include "render/lights/point_light.h"
+
+#include "render/attenuation.h"
+#include "render/photometry.h"
+#include "render/world.h"
+
+enum { POSITION, INTENSITY, POWER, ATTENUATION };
+
+static const Param PARAMS[] = {
+    [POSITION] = {.name = "position",
+                  .type = PARAM_VEC3,
+                  PARAM_AT(PointLight, position),
+                  .dims = DIM_BIT(DIM_LENGTH),
+                  .flags = PARAM_REQUIRED,
+                  .doc = "Where it is."},
+    [INTENSITY] = {.name = "intensity",
+                   .type = PARAM_QUANTITY,
+                   PARAM_AT(PointLight, intensity),
+                   .dims = DIM_BIT(DIM_NONE) | DIM_BIT(DIM_LUMINOUS_INTENSITY),
+                   .si = "W/sr",
+                   .min = 0,
+                   .max = INFINITY,
+                   .flags = PARAM_NO_DEFAULT,
+                   .doc = "The intensity in every direction, in W/sr or cd; or give `power`."},
+    [POWER] = {.name = "power",
+               .type = PARAM_QUANTITY,
+               PARAM_AT(PointLight, power),
+               .dims = DIM_BIT(DIM_POWER) | DIM_BIT(DIM_LUMINOUS_FLUX),
+               .min = 0,
+               .max = INFINITY,
+               .flags = PARAM_NO_DEFAULT,
+               .doc = "The whole emitted flux, in W or lm; or give `intensity`."},
+    [ATTENUATION] = {.name = "attenuation",
+                     .type = PARAM_NODE,
+                     PARAM_AT(PointLight, attenuation),
+                     .category = CATEGORY_ATTENUATION,
+                     .default_text = "inverse_square {}",
+                     .doc = "How the light falls off with distance."},
+};
+
+static bool finish(NodeFinish *finish)
+{
+    PointLight *light = finish->params;
+    bool has_intensity = finish->set & (1u << INTENSITY), has_power = finish->set & (1u << POWER);
+    if (has_intensity == has_power) {
+        finish->report(finish, has_power ? POWER : -1, E0930,
+                       "`point_light` takes either `intensity` or `power`, %s",
+                       has_power ? "not both" : "and has neither");
+        return false;
+    }
+    Quantity quantity = has_power ? light->power : light->intensity;
+    if (has_power) {
+        quantity.value /= 4 * PI;
+    }
+    if (!quantity_to_rgb(quantity, finish->color, &light->radiant_intensity)) {
+        finish->report(finish, has_power ? POWER : INTENSITY, E0932,
+                       "a black light can't have a photometric %s",
+                       has_power ? "power" : "intensity");
+        return false;
+    }
+    return true;
+}
+
+typedef struct PointData {
+    Vec3 position; // in the world
+} PointData;
+
+static bool prepare(const LightPrepare *prepare)
+{
+    const PointLight *params = prepare->light->params;
+    PointData *data = ARENA_NEW(prepare->arena, PointData);
+    if (!data) {
+        return false;
+    }
+    data->position = transform_point(&prepare->light->to_world, params->position);
+    prepare->light->data = data;
+    prepare->light->power = 4 * PI * (double)luminance(params->radiant_intensity);
+    prepare->light->bounds = box3_add(box3_empty(), data->position);
+    return true;
+}
+
+static bool sample(const World *world, const Light *light, Vec3 reference, double u0, double u1,
+                   double u2, LightSample *out)
+{
+    (void)u0, (void)u1, (void)u2;
+    const PointLight *params = light->params;
+    const PointData *data = light->data;
+    Vec3 to = sub(data->position, reference);
+    double r = length(to);
+    if (!(r > 0)) {
+        return false;
+    }
+    float factor = (float)attenuation_factor(world->scene, params->attenuation, r);
+    *out = (LightSample){.direction = scale(to, 1 / r),
+                         .distance = r,
+                         .point = data->position,
+                         .value = rgb_scale(params->radiant_intensity, factor),
+                         .pdf = 1,
+                         .delta = true};
+    return factor > 0;
+}
+
+const LightClass point_light_light = {
+    .node = {.name = "point_light",
+             .category = CATEGORY_LIGHT,
+             .params = PARAMS,
+             .param_count = sizeof PARAMS / sizeof *PARAMS,
+             .size = sizeof(PointLight),
+             .doc = "A point that emits the same in all directions.",
+             .formula = "E = I cos θ / r², I = Φ / 4π",
+             .example = "point_light { position: (2, 4, 2), power: 800lm }",
+             .finish = finish},
+    .prepare = prepare,
+    .sample = sample,
+};

@@ -1,0 +1,123 @@
+#include "render/material.h"
+
+#include "render/world.h"
+
+// How far above the surface a bent shading normal sees the viewer, as a cosine.
+static const double GRAZING = 1e-3;
+
+static void frame_in(const ShadingPoint *point, Vec3 normal, Vec3 tangent, Vec3 wo,
+                     ShadingPoint *out)
+{
+    Vec3 ng = point->surface->geometric;
+    double side = dot(wo, ng), seen = dot(wo, normal);
+    if (side * seen <= 0 && side != 0) {
+        // The nearest normal that sees the viewer on the side where the surface does.
+        double target = copysign(GRAZING, side);
+        Vec3 bent = add_scaled(normal, wo, target - seen);
+        double l = length(bent);
+        normal = l > 0 && dot(bent, ng) > 0 ? scale(bent, 1 / l) : ng;
+    }
+    out->frame = frame_from_tangent(normal, tangent);
+    out->wo = to_local(&out->frame, wo);
+    out->geometric = to_local(&out->frame, ng);
+    out->wo_side = side;
+}
+
+void shading_point(const World *world, const Surface *surface, Vec3 direction, ShadingPoint *out)
+{
+    out->world = world;
+    out->surface = surface;
+    frame_in(out, surface->shading, surface->tangent, neg(direction), out);
+}
+
+void shading_point_bend(const ShadingPoint *point, Vec3 normal, Vec3 tangent, ShadingPoint *out)
+{
+    Vec3 wo = from_local(&point->frame, point->wo);
+    out->world = point->world;
+    out->surface = point->surface;
+    frame_in(point, normal, tangent, wo, out);
+}
+
+const WorldMaterial *world_material(const World *world, uint32_t id)
+{
+    return &world->materials[id < world->material_count ? id : world->material_count];
+}
+
+uint32_t material_lobes(const World *world, uint32_t id)
+{
+    const WorldMaterial *m = world_material(world, id);
+    return m->class->lobes(world, m->params);
+}
+
+// Do the shading and the geometric normal agree whether wi is on wo's side?
+static bool sides_agree(const ShadingPoint *point, Vec3 wi)
+{
+    bool shading = wi.z * point->wo.z > 0;
+    bool geometric = dot(wi, point->geometric) * point->wo_side > 0;
+    return shading == geometric;
+}
+
+BsdfEval material_eval(const ShadingPoint *point, uint32_t id, Vec3 wi)
+{
+    const WorldMaterial *m = world_material(point->world, id);
+    if (wi.z == 0 || point->wo.z == 0 || !sides_agree(point, wi)) {
+        return (BsdfEval){{0, 0, 0}, 0};
+    }
+    return m->class->eval(point, m->params, wi);
+}
+
+bool material_sample(const ShadingPoint *point, uint32_t id, float lobe, float u, float v,
+                     BsdfSample *out)
+{
+    const WorldMaterial *m = world_material(point->world, id);
+    if (point->wo.z == 0 || !m->class->sample(point, m->params, lobe, u, v, out)) {
+        return false;
+    }
+    return (out->lobes & LOBE_PASS) || sides_agree(point, out->wi);
+}
+
+Rgb material_albedo(const ShadingPoint *point, uint32_t id)
+{
+    const WorldMaterial *m = world_material(point->world, id);
+    return m->class->albedo(point, m->params);
+}
+
+Rgb material_emitted(const World *world, uint32_t id, const Surface *surface)
+{
+    const WorldMaterial *m = world_material(world, id);
+    return m->class->emitted ? m->class->emitted(world, m->params, surface) : rgb_gray(0);
+}
+
+Rgb material_emitted_mean(const World *world, uint32_t id)
+{
+    const WorldMaterial *m = world_material(world, id);
+    return m->class->emitted_mean ? m->class->emitted_mean(world, m->params) : rgb_gray(0);
+}
+
+Rgb material_pass(const World *world, uint32_t id, const Surface *surface)
+{
+    const WorldMaterial *m = world_material(world, id);
+    return m->class->pass ? m->class->pass(world, m->params, surface) : rgb_gray(0);
+}
+
+Vec2 sample_disc(float u, float v)
+{
+    double a = 2 * (double)u - 1, b = 2 * (double)v - 1, r, phi;
+    if (a == 0 && b == 0) {
+        return (Vec2){0, 0};
+    }
+    if (fabs(a) > fabs(b)) {
+        r = a;
+        phi = PI / 4 * (b / a);
+    } else {
+        r = b;
+        phi = PI / 2 - PI / 4 * (a / b);
+    }
+    return (Vec2){r * cos(phi), r * sin(phi)};
+}
+
+Vec3 sample_cosine_hemisphere(float u, float v)
+{
+    Vec2 d = sample_disc(u, v);
+    return vec3(d.x, d.y, sqrt(fmax(0, 1 - d.x * d.x - d.y * d.y)));
+}

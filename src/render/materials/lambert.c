@@ -1,0 +1,67 @@
+#include "render/materials/lambert.h"
+
+#include "render/world.h"
+
+const Lambert lambert_default = {{{0.5f, 0.5f, 0.5f}, NONE_ID}};
+
+static const Param PARAMS[] = {
+    {.name = "color",
+     .type = PARAM_COLOR_TEX,
+     PARAM_AT(Lambert, color),
+     .min = 0,
+     .max = 1,
+     .default_text = "gray(0.5)",
+     .doc = "The part of the light that is reflected, its albedo."},
+};
+
+static Rgb albedo(const ShadingPoint *point, const void *params)
+{
+    const Lambert *lambert = params;
+    return reflectance_tex(point->world->textures, &lambert->color, point->surface);
+}
+
+static uint32_t lobes(const World *world, const void *params)
+{
+    (void)world, (void)params;
+    return LOBE_REFLECT | LOBE_SMOOTH;
+}
+
+// f = k/π on both sides; pdf = cos/π.
+static BsdfEval eval(const ShadingPoint *point, const void *params, Vec3 wi)
+{
+    if (wi.z * point->wo.z <= 0) {
+        return (BsdfEval){{0, 0, 0}, 0};
+    }
+    float pdf = (float)(fabs(wi.z) * (1 / PI));
+    return (BsdfEval){rgb_scale(albedo(point, params), pdf), pdf};
+}
+
+static bool sample(const ShadingPoint *point, const void *params, float lobe, float u, float v,
+                   BsdfSample *out)
+{
+    (void)lobe;
+    Vec3 wi = sample_cosine_hemisphere(u, v);
+    if (wi.z <= 0) {
+        return false;
+    }
+    float pdf = (float)(wi.z * (1 / PI));
+    wi.z = copysign(wi.z, point->wo.z);
+    *out = (BsdfSample){wi, albedo(point, params), pdf, 1, LOBE_REFLECT | LOBE_SMOOTH};
+    return true;
+}
+
+const MaterialClass lambert_material = {
+    .node = {.name = "lambert",
+             .category = CATEGORY_MATERIAL,
+             .params = PARAMS,
+             .param_count = sizeof PARAMS / sizeof *PARAMS,
+             .size = sizeof(Lambert),
+             .doc = "A perfectly matt surface, the same from both sides: it looks equally bright "
+                    "from everywhere.",
+             .formula = "f = color / π   (Lambert's law; slides, equation 8)",
+             .example = "sphere { material: lambert { color: #c0392b } }"},
+    .lobes = lobes,
+    .eval = eval,
+    .sample = sample,
+    .albedo = albedo,
+};

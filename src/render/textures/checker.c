@@ -1,0 +1,88 @@
+// Squares or cubes of two colours.
+#include "render/texture.h"
+
+typedef struct Checker {
+    ColorTex a, b;
+    Vec2 scale;
+    int32_t space;
+} Checker;
+
+enum { SPACE_UV, SPACE_OBJECT, SPACE_WORLD };
+static const char *const SPACES[] = {"uv", "object", "world", NULL};
+
+// Coordinates are moved by this part of a cell, so that a face that lies on a boundary of cells has
+// one colour although its points are rounded to either side.
+static const double BOUNDARY_SHIFT = 1e-6;
+
+static const Param PARAMS[] = {
+    {.name = "a",
+     .type = PARAM_COLOR_TEX,
+     PARAM_AT(Checker, a),
+     .default_text = "gray(0.8)",
+     .doc = "The color of the cell at the origin, and of every second one."},
+    {.name = "b",
+     .type = PARAM_COLOR_TEX,
+     PARAM_AT(Checker, b),
+     .default_text = "gray(0.2)",
+     .doc = "The color of the others."},
+    {.name = "scale",
+     .type = PARAM_PAIR,
+     PARAM_AT(Checker, scale),
+     .default_text = "1",
+     .doc = "Cells in one unit of u and of v; in space the first number counts along all axes."},
+    {.name = "space",
+     .type = PARAM_CHOICE,
+     PARAM_AT(Checker, space),
+     .choices = SPACES,
+     .default_text = "\"uv\"",
+     .doc = "Squares in texture coordinates, or cubes in the shape's own space or in the world."},
+};
+
+static double cell(double x)
+{
+    return floor(x + BOUNDARY_SHIFT);
+}
+
+static Rgb color(const TextureSet *set, const void *params, const void *data,
+                 const Surface *surface)
+{
+    (void)data;
+    const Checker *checker = params;
+    double sum;
+    if (checker->space == SPACE_UV) {
+        sum = cell(surface->uv.x * checker->scale.x) + cell(surface->uv.y * checker->scale.y);
+    } else {
+        Vec3 p = checker->space == SPACE_OBJECT ? surface->object_p : surface->p;
+        p = scale(p, checker->scale.x);
+        sum = cell(p.x) + cell(p.y) + cell(p.z);
+    }
+    bool even = sum - 2 * floor(sum / 2) == 0;
+    return color_tex(set, even ? &checker->a : &checker->b, surface);
+}
+
+static Rgb mean_of(const TextureSet *set, const ColorTex *value)
+{
+    return value->texture == NONE_ID ? value->value
+                                     : rgb_mul(value->value, texture_mean(set, value->texture));
+}
+
+static Rgb mean(const TextureSet *set, const void *params, const void *data)
+{
+    (void)data;
+    const Checker *checker = params;
+    return rgb_scale(rgb_add(mean_of(set, &checker->a), mean_of(set, &checker->b)), 0.5f);
+}
+
+const TextureClass checker_texture = {
+    .node = {.name = "checker",
+             .category = CATEGORY_TEXTURE,
+             .params = PARAMS,
+             .param_count = sizeof PARAMS / sizeof *PARAMS,
+             .size = sizeof(Checker),
+             .doc = "A checkerboard of two colors or textures.",
+             .formula = "a where floor(scale u) + floor(scale v) is even, else b",
+             .example =
+                 "plane { material: lambert { color: checker { space: \"world\", scale: 2 } } }"},
+    .color = color,
+    .mean = mean,
+};

@@ -1,0 +1,109 @@
+#include "render/world.h"
+
+#include "base/mem.h"
+#include "render/materials/lambert.h"
+#include "render/render.h"
+
+static bool resolve_materials(World *world)
+{
+    const Scene *scene = world->scene;
+    size_t count = scene->nodes[CATEGORY_MATERIAL].count;
+    WorldMaterial *materials = arena_array(&world->arena, count + 1, sizeof *materials);
+    if (!materials || count >= NONE_ID) {
+        return false;
+    }
+    world->materials = materials;
+    world->material_count = (uint32_t)count;
+    for (uint32_t i = 0; i < count; ++i) {
+        const SceneNode *node = scene_node(scene, CATEGORY_MATERIAL, i);
+        materials[i].class = (const MaterialClass *)scene_node_type(scene, node);
+        materials[i].params = scene_params(scene, node);
+    }
+    materials[count] = (WorldMaterial){&lambert_material, &lambert_default, 0};
+    for (uint32_t i = 0; i <= count; ++i) {
+        materials[i].lobes = material_lobes(world, i);
+        world->all_lobes |= materials[i].lobes;
+    }
+    return true;
+}
+
+static bool build_parts(World *world, unsigned threads, DiagSink *sink)
+{
+    const Scene *scene = world->scene;
+    world->textures = texture_set_build(scene, sink);
+    if (!world->textures) {
+        return false;
+    }
+    world->accel = accel_build(scene, threads);
+    if (!world->accel || !resolve_materials(world)) {
+        diag_report(sink, E0001, (Span){0}, "no memory to make the scene ready for rendering");
+        return false;
+    }
+    world->lights = light_set_build(world, &world->arena, sink);
+    return world->lights != NULL;
+}
+
+World *world_build(const Scene *scene, unsigned threads, DiagSink *sink)
+{
+    World *world = mem_alloc_zeroed(1, sizeof *world);
+    if (!world) {
+        diag_report(sink, E0001, (Span){0}, "no memory to make the scene ready for rendering");
+        return NULL;
+    }
+    RenderParams settings = scene_render(scene);
+    world->scene = scene;
+    world->bounces = settings.bounces;
+    world->sampling = settings.sampling;
+    world->shadows = settings.shadows;
+    world->russian_roulette = settings.russian_roulette;
+    world->clamp = (float)settings.clamp;
+    if (!build_parts(world, threads, sink)) {
+        world_free(world);
+        return NULL;
+    }
+    return world;
+}
+
+void world_free(World *world)
+{
+    if (!world) {
+        return;
+    }
+    light_set_free(world->lights);
+    accel_free(world->accel);
+    texture_set_free(world->textures);
+    arena_free(&world->arena);
+    mem_free(world);
+}
+
+// So many surfaces that let light pass are crossed by one shadow ray; more block it.
+enum { MAX_PASSES = 256 };
+
+Rgb world_visibility(const World *world, const Ray *ray)
+{
+    if (!(world->all_lobes & LOBE_PASS)) {
+        return rgb_gray(accel_occluded(world->accel, ray) ? 0.0f : 1.0f);
+    }
+    Rgb passed = rgb_gray(1);
+    Ray rest = *ray;
+    for (int i = 0; i < MAX_PASSES; ++i) {
+        Hit hit;
+        if (!accel_intersect(world->accel, &rest, &hit)) {
+            return passed;
+        }
+        Surface surface;
+        accel_surface(world->accel, &rest, &hit, &surface);
+        passed = rgb_mul(passed, material_pass(world, surface.material, &surface));
+        if (rgb_is_black(passed)) {
+            return passed;
+        }
+        // The rest of the way, from beyond the surface.
+        Ray next = surface_spawn(&surface, rest.direction);
+        next.tmax = rest.tmax - dot(sub(next.origin, rest.origin), rest.direction);
+        if (!(next.tmax > next.tmin)) {
+            return passed;
+        }
+        rest = next;
+    }
+    return rgb_gray(0);
+}
