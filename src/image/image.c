@@ -1,0 +1,277 @@
+#include "image/image.h"
+
+#include "base/mem.h"
+#include "base/module.h"
+#include "image/oiio_module.h"
+#include "image/peek.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+// --- Types ---------------------------------------------------------------------------------------
+
+typedef struct WriteType {
+    const char *extension, *format; // OpenImageIO's name
+    int bits;                       // the type's own
+    int allowed[3];                 // all it can have
+    bool layers, alpha;
+} WriteType;
+
+static const WriteType write_types[] = {
+    {"exr", "openexr", 32, {16, 32}, true, true},  {"png", "png", 8, {8, 16}, false, true},
+    {"tif", "tiff", 16, {8, 16, 32}, false, true}, {"tiff", "tiff", 16, {8, 16, 32}, false, true},
+    {"hdr", "hdr", 32, {32}, false, false},        {"jpg", "jpeg", 8, {8}, false, false},
+    {"jpeg", "jpeg", 8, {8}, false, false},        {"webp", "webp", 8, {8}, false, true},
+    {"bmp", "bmp", 8, {8}, false, false},          {"tga", "targa", 8, {8}, false, true},
+    {"ppm", "pnm", 8, {8, 16}, false, false},
+};
+
+static const char *extension_of(const char *name)
+{
+    const char *slash = strrchr(name, '/'), *file = slash ? slash + 1 : name;
+    const char *dot = strrchr(file, '.');
+    return dot && dot > file ? dot + 1 : "";
+}
+
+static const WriteType *write_type(const char *name)
+{
+    const char *extension = extension_of(name);
+    for (size_t i = 0; i < sizeof write_types / sizeof write_types[0]; ++i) {
+        if (strcasecmp(write_types[i].extension, extension) == 0) {
+            return &write_types[i];
+        }
+    }
+    return NULL;
+}
+
+bool image_can_write(const char *name)
+{
+    return write_type(name) != NULL;
+}
+
+bool image_has_bits(const char *name, int bits)
+{
+    const WriteType *type = write_type(name);
+    bool found = bits == 0 && type;
+    for (size_t i = 0; type && i < sizeof type->allowed / sizeof type->allowed[0]; ++i) {
+        found |= bits != 0 && type->allowed[i] == bits;
+    }
+    return found;
+}
+
+bool image_is_linear(const char *name, int bits)
+{
+    const WriteType *type = write_type(name);
+    return type && (strcmp(type->format, "openexr") == 0 || (bits ? bits : type->bits) == 32);
+}
+
+bool image_has_layers(const char *name)
+{
+    const WriteType *type = write_type(name);
+    return type && type->layers;
+}
+
+const char *image_extensions(void)
+{
+    return "exr, png, tif, tiff, hdr, jpg, jpeg, webp, bmp, tga, ppm";
+}
+
+// The type of a file by its first bytes or, where they say nothing (Targa), by its name.
+static const char *read_format(const char *name, const unsigned char *bytes, size_t size)
+{
+    static const struct {
+        const char *format, *magic;
+        size_t length, at;
+    } types[] = {
+        {"openexr", "\x76\x2f\x31\x01", 4, 0},
+        {"png", "\x89PNG\r\n\x1a\n", 8, 0},
+        {"jpeg", "\xff\xd8\xff", 3, 0},
+        {"tiff", "II*\0", 4, 0},
+        {"tiff", "MM\0*", 4, 0},
+        {"tiff", "II+\0", 4, 0},
+        {"tiff", "MM\0+", 4, 0},
+        {"hdr", "#?RADIANCE", 10, 0},
+        {"hdr", "#?RGBE", 6, 0},
+        {"webp", "WEBPVP8", 7, 8},
+        {"gif", "GIF87a", 6, 0},
+        {"gif", "GIF89a", 6, 0},
+        {"bmp", "BM", 2, 0},
+    };
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
+        if (size >= types[i].at + types[i].length &&
+            memcmp(bytes + types[i].at, types[i].magic, types[i].length) == 0) {
+            return types[i].format;
+        }
+    }
+    if (size >= 3 && bytes[0] == 'P' && strchr("123456Ff", bytes[1]) && bytes[1] &&
+        strchr(" \t\r\n#", bytes[2]) && bytes[2]) {
+        return "pnm";
+    }
+    return strcasecmp(extension_of(name), "tga") == 0 ? "targa" : NULL;
+}
+
+// --- The module ----------------------------------------------------------------------------------
+
+static const char MODULE[] = "scn_oiio";
+
+static const OiioFunctions *functions(char *message, size_t message_size)
+{
+    char why[512];
+    void *module = module_open(MODULE, why, sizeof why);
+    if (!module) {
+        snprintf(message, message_size, "OpenImageIO can't be loaded: %.400s", why);
+        return NULL;
+    }
+    const OiioFunctions *table = module_symbol(module, "scn_oiio_functions");
+    if (!table || table->version != OIIO_MODULE_VERSION) {
+        snprintf(message, message_size, "the module %s belongs to another version of scnrender",
+                 MODULE);
+        return NULL;
+    }
+    return table;
+}
+
+static void *preload_main(void *nothing)
+{
+    char message[512];
+    functions(message, sizeof message); // a failure is told by whoever needs the module
+    return nothing;
+}
+
+void image_preload(void)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    pthread_t thread;
+    if (pthread_create(&thread, NULL, preload_main, NULL) == 0) {
+        pthread_detach(thread);
+    }
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+// Decoders take memory by rows and tiles as soon as they open a file, so that its size is looked at
+// before.
+static bool size_is_allowed(const char *format, const void *bytes, size_t size, ImageLimits limits,
+                            char *message, size_t message_size)
+{
+    enum { LONGEST_SIDE = 1 << 18, LARGEST_TILE = 1 << 24 };
+    PeekedSize peeked;
+    if (!image_peek(format, bytes, size, &peeked)) {
+        snprintf(message, message_size, "its header is damaged");
+        return false;
+    }
+    if (peeked.width > LONGEST_SIDE || peeked.height > LONGEST_SIDE ||
+        peeked.tile_width > LONGEST_SIDE || peeked.tile_height > LONGEST_SIDE ||
+        peeked.width * peeked.height > limits.max_pixels ||
+        peeked.tile_width * peeked.tile_height > LARGEST_TILE) {
+        snprintf(message, message_size, "its %lld x %lld pixels are more than allowed",
+                 (long long)peeked.width, (long long)peeked.height);
+        return false;
+    }
+    return true;
+}
+
+bool image_read(const char *name, const void *bytes, size_t size, ImageLimits limits, Image *out,
+                char *message, size_t message_size)
+{
+    *out = (Image){0};
+    const char *format = read_format(name, bytes, size);
+    if (!format) {
+        snprintf(message, message_size, "this is not an image of a type that can be read");
+        return false;
+    }
+    if (!size_is_allowed(format, bytes, size, limits, message, message_size)) {
+        return false;
+    }
+    const OiioFunctions *oiio = functions(message, message_size);
+    if (!oiio) {
+        return false;
+    }
+    OiioRead read = {.format = format,
+                     .bytes = bytes,
+                     .size = size,
+                     .max_pixels = limits.max_pixels,
+                     .allocate = mem_alloc_zeroed,
+                     .release = mem_free};
+    if (!oiio->read(&read, message, message_size)) {
+        return false;
+    }
+    *out = (Image){read.width, read.height, read.channels, read.pixels, read.srgb_encoded};
+    return true;
+}
+
+void image_free(Image *image)
+{
+    mem_free(image->pixels);
+    *image = (Image){0};
+}
+
+static OiioSample sample_type(const WriteType *type, int bits)
+{
+    switch (bits ? bits : type->bits) {
+    case 8:
+        return OIIO_UINT8;
+    case 16:
+        return type->layers ? OIIO_HALF : OIIO_UINT16;
+    default:
+        return OIIO_FLOAT;
+    }
+}
+
+static bool write_layers(const OiioFunctions *oiio, const char *path, const char *format_of,
+                         const WriteType *type, const ImageFile *file, OiioLayer *layers,
+                         OiioText *texts, char *message, size_t message_size)
+{
+    int count = type->layers ? file->layer_count : 1;
+    for (int i = 0; i < count; ++i) {
+        const ImageLayer *layer = &file->layers[i];
+        int used = layer->channels == 4 && !type->alpha ? 3 : layer->channels;
+        layers[i] = (OiioLayer){layer->name,     layer->channels, used,
+                                layer->suffixes, layer->pixels,   layer->ids};
+    }
+    for (int i = 0; i < file->attribute_count; ++i) {
+        texts[i] = (OiioText){file->attributes[i].name, file->attributes[i].text};
+    }
+    OiioWrite write = {.format = type->format,
+                       .extension = type->extension,
+                       .path = path,
+                       .width = file->width,
+                       .height = file->height,
+                       .sample = sample_type(type, file->bits),
+                       .linear = image_is_linear(format_of, file->bits),
+                       .layers = layers,
+                       .layer_count = count,
+                       .texts = texts,
+                       .text_count = file->attribute_count};
+    return oiio->write(&write, message, message_size);
+}
+
+bool image_write(const char *path, const char *format_of, const ImageFile *file, char *message,
+                 size_t message_size)
+{
+    const WriteType *type = write_type(format_of);
+    if (!type || !image_has_bits(format_of, file->bits)) {
+        snprintf(message, message_size, "images can be written as %s", image_extensions());
+        return false;
+    }
+    const OiioFunctions *oiio = functions(message, message_size);
+    if (!oiio) {
+        return false;
+    }
+    OiioLayer *layers = mem_alloc((size_t)file->layer_count, sizeof *layers);
+    OiioText *texts = mem_alloc((size_t)file->attribute_count, sizeof *texts);
+    bool written = false;
+    if (layers && texts) {
+        written =
+            write_layers(oiio, path, format_of, type, file, layers, texts, message, message_size);
+    } else {
+        snprintf(message, message_size, "not enough memory");
+    }
+    mem_free(layers);
+    mem_free(texts);
+    return written;
+}
