@@ -1,5 +1,7 @@
 #include "scene/json.h"
 
+#include "base/utf8.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -44,30 +46,6 @@ void json_float(FILE *out, float value)
     fputs(text, out);
 }
 
-// The length of the UTF-8 sequence at `text`, or 0 if it isn't one (RFC 3629: no overlong forms, no
-// surrogates, nothing beyond U+10FFFF).
-static int utf8_length(const unsigned char *text)
-{
-    unsigned char first = text[0];
-    if (first < 0x80) {
-        return 1;
-    }
-    int length = first >= 0xc2 && first < 0xe0   ? 2
-                 : first >= 0xe0 && first < 0xf0 ? 3
-                 : first >= 0xf0 && first < 0xf5 ? 4
-                                                 : 0;
-    for (int i = 1; i < length; ++i) {
-        if ((text[i] & 0xc0) != 0x80) {
-            return 0;
-        }
-    }
-    if ((first == 0xe0 && text[1] < 0xa0) || (first == 0xed && text[1] > 0x9f) ||
-        (first == 0xf0 && text[1] < 0x90) || (first == 0xf4 && text[1] > 0x8f)) {
-        return 0;
-    }
-    return length;
-}
-
 static void write_ascii(FILE *out, unsigned char c)
 {
     switch (c) {
@@ -98,17 +76,18 @@ void json_string(FILE *out, const char *text)
         fputs("null", out);
         return;
     }
+    const char *end = text + strlen(text);
     fputc('"', out);
-    for (const unsigned char *at = (const unsigned char *)text; *at;) {
-        int size = utf8_length(at);
-        if (size == 1) {
-            write_ascii(out, *at);
-        } else if (size == 0) {
+    for (int length; text < end; text += length) {
+        uint32_t code;
+        length = utf8_decode(text, end, &code);
+        if (code == UTF8_INVALID) {
             fputs("\\ufffd", out);
+        } else if (length == 1) {
+            write_ascii(out, (unsigned char)code);
         } else {
-            fwrite(at, 1, (size_t)size, out);
+            fwrite(text, 1, (size_t)length, out);
         }
-        at += size ? size : 1;
     }
     fputc('"', out);
 }

@@ -66,6 +66,8 @@ typedef struct Mesh {
     uint32_t *triangles; // 3 * triangle_count vertex indices, counter-clockwise from the front
     uint32_t vertex_count, triangle_count;
     uint32_t degenerate, not_finite; // triangles left out on loading, by reason
+    const char *file;                // where it comes from, in the scene's arena; NULL: from lists
+    bool smooth;                     // as it was asked for
 } Mesh;
 
 typedef ARRAY(Prototype) PrototypeArray;
