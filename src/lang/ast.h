@@ -39,7 +39,8 @@ typedef uint32_t AstId; // index into Ast.nodes; 0 is none
     AST(BOOL, "a: 0 or 1")                                                                         \
     AST(NAME, "a: symbol")                                                                         \
     AST(VECTOR, "a: list of 2 to 4 expressions")                                                   \
-    AST(LIST, "a: list of expressions or FORs and IFs (comprehensions)")                           \
+    AST(LIST, "a: list of elements: expressions, or FORs and IFs whose bodies are elements; such " \
+              "an IF may lack its else, and then gives none")                                      \
     AST(RANGE, "a, b: ends; aux 1: without the last (..<)")                                        \
     AST(UNARY, "op, a: operand")                                                                   \
     AST(BINARY, "op, a, b: operands")                                                              \
@@ -135,7 +136,7 @@ static inline const uint32_t *ast_list_items(const Ast *ast, uint32_t list)
     return ast->extra.items + list + 1;
 }
 
-const char *ast_tag_name(AstTag tag);   // "let", "kind", …
+const char *ast_tag_name(AstTag tag);   // "LET", "KIND", …
 const char *operator_text(Operator op); // "+", "and", …
 
 // Writes the tree as S-expressions with spans, one item a line group; ends with a newline.

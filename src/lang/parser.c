@@ -1,0 +1,373 @@
+// The parser's house-keeping: tokens, errors, recovery, nodes.
+#include "lang/parser_internal.h"
+
+#include <stdarg.h>
+
+// --- Errors --------------------------------------------------------------------------------------
+
+Span parse_missing_span(const Parser *p)
+{
+    if (p->token.kind == TOKEN_END || p->token.on_new_line) {
+        return parse_span(p, p->previous_end, p->previous_end);
+    }
+    return parse_token_span(p);
+}
+
+Diag *parse_error(Parser *p, DiagCode code, Span at, const char *format, ...)
+{
+    if (p->panicking || p->gave_up) {
+        return NULL;
+    }
+    char text[400];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    return diag_report(p->lexer.sink, code, at, "%s", text);
+}
+
+void parse_note(Parser *p, Diag *diag, const char *text)
+{
+    if (diag) {
+        diag_note(p->lexer.sink, diag, "%s", text);
+    }
+}
+
+void parse_suggest(Parser *p, Diag *diag, Span at, const char *text)
+{
+    if (diag) {
+        diag_suggest(p->lexer.sink, diag, at, text);
+    }
+}
+
+TokenText parse_found(const Parser *p)
+{
+    enum { LONGEST = 40 };
+    TokenText found;
+    const char *text = p->lexer.begin + p->token.begin;
+    int length = (int)(p->token.end - p->token.begin);
+    int shown = length;
+    if (length > LONGEST) {
+        for (shown = LONGEST; ((unsigned char)text[shown] & 0xc0) == 0x80; --shown) {
+        }
+    }
+    if (p->token.kind == TOKEN_END) {
+        snprintf(found.text, sizeof found.text, "the end of the file");
+    } else {
+        snprintf(found.text, sizeof found.text, "`%.*s%s`", shown, text, shown < length ? "…" : "");
+    }
+    return found;
+}
+
+void parse_expected(Parser *p, const char *what)
+{
+    if (p->token.kind != TOKEN_ERROR) {
+        parse_error(p, E0201, parse_missing_span(p), "expected %s, found %s", what,
+                    parse_found(p).text);
+    }
+    p->panicking = true;
+}
+
+bool parse_expect(Parser *p, TokenKind kind)
+{
+    if (p->panicking) {
+        return false;
+    }
+    if (!parse_accept(p, kind)) {
+        parse_expected(p, token_kind_name(kind));
+        return false;
+    }
+    return true;
+}
+
+void parse_give_up(Parser *p)
+{
+    p->gave_up = true;
+    p->lexer.at = p->lexer.end;
+    p->token.kind = TOKEN_END;
+    p->token.begin = p->token.end = (uint32_t)(p->lexer.end - p->lexer.begin);
+}
+
+static bool is_keyword(uint8_t kind)
+{
+    return kind >= TOKEN_IMPORT && kind <= TOKEN_NOT;
+}
+
+Symbol parse_name(Parser *p, const char *what)
+{
+    if (p->panicking) {
+        return 0;
+    }
+    if (!parse_at(p, TOKEN_NAME)) {
+        if (!is_keyword(p->token.kind) || p->token.on_new_line) {
+            parse_expected(p, what);
+            return 0;
+        }
+        parse_error(p, E0207, parse_token_span(p), "%s is a reserved word and can't be a name",
+                    parse_found(p).text);
+    }
+    Symbol symbol = p->token.symbol;
+    parse_advance(p);
+    return symbol;
+}
+
+// --- Brackets and recovery -----------------------------------------------------------------------
+
+static bool may_begin_item(const Parser *p)
+{
+    switch (p->token.kind) {
+    case TOKEN_NAME:
+    case TOKEN_LET:
+    case TOKEN_FOR:
+    case TOKEN_FN:
+    case TOKEN_IF:
+    case TOKEN_IMPORT:
+    case TOKEN_PARAM:
+        return true;
+    default:
+        return false;
+    }
+}
+
+static bool is_closing(uint8_t kind)
+{
+    return kind == TOKEN_RIGHT_BRACE || kind == TOKEN_RIGHT_PAREN || kind == TOKEN_RIGHT_BRACKET;
+}
+
+static void report_unclosed(Parser *p, TokenKind close, uint32_t open)
+{
+    Diag *diag = parse_error(p, E0202, parse_missing_span(p), "expected %s, found %s",
+                             token_kind_name(close), parse_found(p).text);
+    if (diag) {
+        diag_frame(p->lexer.sink, diag, parse_span(p, open, open + 1), "to close the `%c` here",
+                   p->lexer.begin[open]);
+    }
+}
+
+void parse_close(Parser *p, TokenKind close, uint32_t open)
+{
+    if (p->panicking) {
+        return;
+    }
+    p->open -= close != TOKEN_RIGHT_BRACE && p->open > 0;
+    if (parse_accept(p, close)) {
+        return;
+    }
+    uint8_t kind = p->token.kind;
+    if (kind == TOKEN_END) {
+        report_unclosed(p, close, open);
+        parse_give_up(p);
+    } else if (kind == TOKEN_RIGHT_BRACE || (p->token.on_new_line && may_begin_item(p))) {
+        report_unclosed(p, close, open); // and go on as if it stood here
+    } else if (is_closing(kind)) {
+        report_unclosed(p, close, open);
+        parse_advance(p);
+    } else {
+        p->open += close != TOKEN_RIGHT_BRACE;
+        parse_expected(p, close == TOKEN_RIGHT_PAREN ? "`,` or `)`" : "`,` or `]`");
+    }
+}
+
+bool parse_more(Parser *p, TokenKind close)
+{
+    return !p->panicking && parse_accept(p, TOKEN_COMMA) && !parse_at(p, close);
+}
+
+// Skips a bracket with all that it holds.
+static void skip_group(Parser *p)
+{
+    uint32_t depth = 0;
+    do {
+        switch (p->token.kind) {
+        case TOKEN_LEFT_BRACE:
+        case TOKEN_LEFT_PAREN:
+        case TOKEN_LEFT_BRACKET:
+            ++depth;
+            break;
+        case TOKEN_RIGHT_BRACE:
+        case TOKEN_RIGHT_PAREN:
+        case TOKEN_RIGHT_BRACKET:
+            --depth;
+            break;
+        case TOKEN_END:
+            return;
+        default:
+            break;
+        }
+        parse_advance(p);
+    } while (depth > 0);
+}
+
+// Whether the current token is a place to go on from.
+static bool is_resting_place(const Parser *p)
+{
+    switch (p->token.kind) {
+    case TOKEN_END:
+    case TOKEN_RIGHT_BRACE:
+    case TOKEN_LET:
+    case TOKEN_IMPORT:
+    case TOKEN_PARAM:
+        return true;
+    case TOKEN_FOR:
+    case TOKEN_FN:
+    case TOKEN_IF:
+        return p->token.on_new_line && p->open == 0;
+    case TOKEN_NAME: {
+        char next = lexer_peek(&p->lexer);
+        return p->open == 0 && (p->token.on_new_line || next == ':' || next == '{');
+    }
+    default:
+        return false;
+    }
+}
+
+void parse_recover(Parser *p, uint32_t before)
+{
+    p->panicking = false;
+    if (p->token.begin == before && !parse_at(p, TOKEN_RIGHT_BRACE)) {
+        parse_advance(p);
+    }
+    while (!is_resting_place(p)) {
+        switch (p->token.kind) {
+        case TOKEN_LEFT_BRACE:
+        case TOKEN_LEFT_PAREN:
+        case TOKEN_LEFT_BRACKET:
+            skip_group(p);
+            break;
+        case TOKEN_RIGHT_PAREN:
+        case TOKEN_RIGHT_BRACKET:
+            p->open -= p->open > 0;
+            parse_advance(p);
+            break;
+        case TOKEN_COMMA:
+            if (p->open == 0) {
+                return; // the loop over the body takes it
+            }
+            parse_advance(p);
+            break;
+        default:
+            parse_advance(p);
+        }
+    }
+    p->open = 0;
+}
+
+// --- Depth ---------------------------------------------------------------------------------------
+
+bool parse_enter(Parser *p)
+{
+    if (++p->nesting <= p->most_nesting) {
+        return !p->gave_up;
+    }
+    if (!p->gave_up) {
+        Diag *diag = parse_error(p, E0701, parse_token_span(p), "nested more than %u levels deep",
+                                 p->most_nesting);
+        parse_note(p, diag, "`--limit nesting=N` allows more");
+        parse_give_up(p);
+    }
+    p->panicking = true;
+    return false;
+}
+
+bool parse_link(Parser *p, uint32_t other)
+{
+    p->height = parse_taller(p->height, other) + 1;
+    if (p->height <= p->most_height) {
+        return true;
+    }
+    if (!p->gave_up) {
+        Diag *diag =
+            parse_error(p, E0701, parse_token_span(p),
+                        "an expression with more than %u operations in a row", p->most_height);
+        parse_note(p, diag, "name a part of it with `let`, or use `sum` over a list");
+        parse_give_up(p);
+    }
+    p->panicking = true;
+    return false;
+}
+
+// --- Nodes ---------------------------------------------------------------------------------------
+
+void parse_out_of_memory(Parser *p)
+{
+    longjmp(p->on_oom, 1);
+}
+
+uint32_t parse_extra(Parser *p, size_t count, const uint32_t *words)
+{
+    AstWordArray *extra = &p->ast->extra;
+    if (!array_reserve(extra, count)) {
+        parse_out_of_memory(p);
+    }
+    uint32_t first = (uint32_t)extra->count;
+    for (size_t i = 0; i < count; ++i) {
+        extra->items[extra->count++] = words[i];
+    }
+    return first;
+}
+
+uint32_t parse_list(Parser *p, size_t mark)
+{
+    size_t count = p->stack.count - mark;
+    if (count == 0) {
+        return 0;
+    }
+    uint32_t length = (uint32_t)count;
+    uint32_t list = parse_extra(p, 1, &length);
+    parse_extra(p, count, p->stack.items + mark);
+    p->stack.count = mark;
+    return list;
+}
+
+// --- Start ---------------------------------------------------------------------------------------
+
+void ast_free(Ast *ast)
+{
+    array_free(&ast->nodes);
+    array_free(&ast->extra);
+    array_free(&ast->comments);
+}
+
+// Apart from parse() so that nothing local lives across the jump.
+static void parse_source(Parser *p, const Source *source, Interner *names, DiagSink *sink,
+                         bool keep_comments)
+{
+    if (setjmp(p->on_oom)) {
+        diag_report(sink, E0001, (Span){p->ast->file, 0, 0}, "out of memory while parsing");
+        return;
+    }
+    lexer_init(&p->lexer, source, p->ast->file, names, sink,
+               keep_comments ? &p->ast->comments : NULL, &p->on_oom);
+    if (!array_push(&p->ast->nodes, (AstNode){0}) || !array_push(&p->ast->extra, 0)) {
+        parse_out_of_memory(p);
+    }
+    lexer_next(&p->lexer, &p->token);
+    p->ast->root = parse_file(p);
+}
+
+bool parse(Ast *ast, const Sources *sources, uint32_t file, Interner *names, ParseLimits limits,
+           bool keep_comments, DiagSink *sink)
+{
+    *ast = (Ast){.file = file};
+    const Source *source = source_get(sources, file);
+    uint32_t errors = sink->errors;
+    if (source->text.length >= UINT32_MAX - 16) {
+        diag_report(sink, E0702, (Span){file, 0, 0}, "the file has more than 4 GiB");
+        return false;
+    }
+    Parser p;
+    p.ast = ast;
+    p.previous_end = p.nesting = p.height = p.open = 0;
+    p.most_nesting = limits.nesting < PARSE_NESTING_MOST ? limits.nesting : PARSE_NESTING_MOST;
+    p.most_height = 4 * p.most_nesting + PARSE_CHAIN_MOST;
+    p.panicking = p.gave_up = p.lost_brace = false;
+    p.stack = (AstWordArray){0};
+    memset(&p.lexer, 0, sizeof p.lexer);
+    jmp_buf *outer = names->arena->on_oom; // the parser's own jump gives its arrays back
+    names->arena->on_oom = NULL;
+    parse_source(&p, source, names, sink, keep_comments);
+    names->arena->on_oom = outer;
+    array_free(&p.stack);
+    lexer_free(&p.lexer);
+    return sink->errors == errors;
+}
