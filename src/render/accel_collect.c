@@ -1,0 +1,427 @@
+// Sorts the scene's shapes into groups and decides how each is held; see accel_parts.h.
+#include "render/accel_parts.h"
+#include "render/geometry.h"
+#include "render/shapes/mesh.h"
+
+#include <string.h>
+
+static bool box_is_finite(Box3 box)
+{
+    return vec3_is_finite(box.min) && vec3_is_finite(box.max);
+}
+
+Box3 accel_shape_box(const Scene *scene, const SceneNode *node)
+{
+    Box3 box = shape_class(scene, node)->bounds(scene, scene_params(scene, node));
+    return node->transform == 0 || box3_is_empty(box)
+               ? box
+               : transform_box(&scene->transforms.items[node->transform], box);
+}
+
+Box3 accel_instance_box(const Accel *accel, uint32_t instance)
+{
+    const SceneInstance *it = &accel->scene->instances.items[instance];
+    Box3 box = accel->groups[it->prototype].bounds;
+    return box3_is_empty(box) ? box
+                              : transform_box(&accel->scene->transforms.items[it->transform], box);
+}
+
+bool accel_float_box(const AccelGroup *group, Box3 box, float lower[3], float upper[3])
+{
+    if (box3_is_empty(box) || !box_is_finite(box)) {
+        return false;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        double center = vec3_get(group->center, axis);
+        double low = (vec3_get(box.min, axis) - center) / group->scale;
+        double high = (vec3_get(box.max, axis) - center) / group->scale;
+        lower[axis] = nextafterf((float)(low - BOX_MARGIN), -INFINITY);
+        upper[axis] = nextafterf((float)(high + BOX_MARGIN), INFINITY);
+    }
+    return true;
+}
+
+// Puts Embree's cube around the group's box.
+static void group_set_bounds(AccelGroup *group, Box3 box)
+{
+    group->bounds = box;
+    group->center = vec3(0, 0, 0);
+    group->scale = 1;
+    if (box3_is_empty(box)) {
+        return;
+    }
+    // Halves first: the difference of two finite numbers may overflow.
+    group->center = add(scale(box.min, 0.5), scale(box.max, 0.5));
+    double half = max_component(sub(scale(box.max, 0.5), scale(box.min, 0.5)));
+    half = fmax(half, max_abs(group->center) * 0x1p-40);
+    if (half > 0) {
+        int exponent;
+        frexp(half, &exponent);
+        group->scale = ldexp(1, exponent < -1000 ? -1000 : exponent > 1000 ? 1000 : exponent);
+    }
+}
+
+// --- Sorting ------------------------------------------------------------------------------------
+
+// Counting sort of `ids` by a key below `key_count`; starts[key] is the first place of each key,
+// starts[key_count] the end.
+typedef uint32_t ShapeKey(const Scene *scene, uint32_t id);
+
+static void sort_ids(const Scene *scene, ShapeKey *key, uint32_t key_count, const uint32_t *ids,
+                     uint32_t count, uint32_t *starts, uint32_t *out)
+{
+    memset(starts, 0, (key_count + 1) * sizeof *starts);
+    for (uint32_t i = 0; i < count; ++i) {
+        ++starts[key(scene, ids ? ids[i] : i)];
+    }
+    uint32_t sum = 0;
+    for (uint32_t k = 0; k <= key_count; ++k) {
+        uint32_t here = starts[k];
+        starts[k] = sum;
+        sum += here;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t id = ids ? ids[i] : i;
+        out[starts[key(scene, id)]++] = id;
+    }
+    for (uint32_t k = key_count; k > 0; --k) {
+        starts[k] = starts[k - 1];
+    }
+    starts[0] = 0;
+}
+
+static uint32_t prototype_key(const Scene *scene, uint32_t id)
+{
+    return scene->nodes[CATEGORY_SHAPE].items[id].prototype;
+}
+static uint32_t type_key(const Scene *scene, uint32_t id)
+{
+    return scene->nodes[CATEGORY_SHAPE].items[id].type;
+}
+
+// --- Groups
+// ---------------------------------------------------------------------------------------
+
+typedef ARRAY(AccelKind) KindArray;
+typedef ARRAY(AccelGroup) GroupArray;
+typedef ARRAY(uint32_t) IdArray;
+typedef ARRAY(AccelUnbounded) UnboundedArray;
+
+typedef struct Collector {
+    Accel *accel;
+    const Scene *scene;
+    GroupArray pockets; // groups after those of the prototypes
+    IdArray group_pockets;
+    KindArray kinds;
+    UnboundedArray unbounded; // `instance` is the prototype for now
+    uint32_t *type_starts, *sorted;
+} Collector;
+
+static double box_half(Box3 box)
+{
+    return max_component(sub(scale(box.max, 0.5), scale(box.min, 0.5)));
+}
+
+// The shortest edge of a flat shape in its group's space; NAN where it isn't finite.
+static double shortest_edge(const Scene *scene, const SceneNode *node, bool *degenerate)
+{
+    Vec3 corners[4];
+    int count = shape_class(scene, node)->corners(scene_params(scene, node), corners);
+    const Affine *to_group = &scene->transforms.items[node->transform];
+    for (int i = 0; i < count; ++i) {
+        corners[i] = transform_point(to_group, corners[i]);
+        if (!vec3_is_finite(corners[i])) {
+            return NAN;
+        }
+    }
+    Vec3 u = sub(corners[1], corners[0]), v = sub(corners[count - 1], corners[0]);
+    *degenerate = !(length_squared(cross(u, v)) > 0);
+    double least = INFINITY;
+    for (int i = 0; i < count; ++i) {
+        least = fmin(least, length(sub(corners[(i + 1) % count], corners[i])));
+    }
+    return least;
+}
+
+static AccelKind kind_make(Collector *c, const ShapeClass *class, uint16_t type,
+                           const uint32_t *ids, uint32_t count, bool native)
+{
+    return (AccelKind){.accel = c->accel,
+                       .class = class,
+                       .params = c->scene->tables[type].items,
+                       .ids = ids,
+                       .count = count,
+                       .native = native,
+                       .sliver = 1};
+}
+
+// Flat shapes: those that single precision holds well come first and become Embree's triangles; the
+// others follow and are intersected in double.
+static bool collect_flats(Collector *c, const AccelGroup *group, const ShapeClass *class,
+                          uint16_t type, uint32_t *ids, uint32_t count)
+{
+    uint32_t native = 0, kept = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const SceneNode *node = scene_node(c->scene, CATEGORY_SHAPE, ids[i]);
+        bool degenerate = false;
+        double edge = shortest_edge(c->scene, node, &degenerate);
+        if (isnan(edge) || degenerate) {
+            ++*(degenerate ? &c->accel->issues.degenerate : &c->accel->issues.not_finite);
+            continue;
+        }
+        uint32_t id = ids[i];
+        ids[kept] = id;
+        if (edge >= FLAT_SIZE * group->scale) {
+            uint32_t other = ids[native];
+            ids[native++] = id;
+            ids[kept] = other;
+        }
+        ++kept;
+    }
+    AccelKind triangles = kind_make(c, class, type, ids, native, true);
+    AccelKind others = kind_make(c, class, type, ids + native, kept - native, false);
+    Vec3 corners[4];
+    const SceneNode *any = scene_node(c->scene, CATEGORY_SHAPE, ids[0]);
+    triangles.corners = class->corners(scene_params(c->scene, any), corners);
+    return (native == 0 || array_push(&c->kinds, triangles)) &&
+           (kept == native || array_push(&c->kinds, others));
+}
+
+static bool collect_pocket(Collector *c, AccelKind kind, Box3 box)
+{
+    AccelGroup pocket = {.accel = c->accel};
+    group_set_bounds(&pocket, box);
+    pocket.kinds = mem_alloc(1, sizeof kind);
+    if (!pocket.kinds) {
+        return false;
+    }
+    pocket.kinds[0] = kind;
+    pocket.kind_count = 1;
+    uint32_t number = (uint32_t)(c->scene->prototypes.count + c->pockets.count);
+    if (!array_push(&c->pockets, pocket)) {
+        mem_free(pocket.kinds);
+        return false;
+    }
+    return array_push(&c->group_pockets, number);
+}
+
+static bool collect_meshes(Collector *c, const AccelGroup *group, const ShapeClass *class,
+                           uint16_t type, const uint32_t *ids, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        const SceneNode *node = scene_node(c->scene, CATEGORY_SHAPE, ids[i]);
+        Box3 box = accel_shape_box(c->scene, node);
+        if (box3_is_empty(box) || !box_is_finite(box)) {
+            continue; // counted when the bounds were taken
+        }
+        AccelKind kind = kind_make(c, class, type, ids + i, 1, true);
+        bool small = box_half(box) < POCKET_SIZE * group->scale;
+        if (!(small ? collect_pocket(c, kind, box) : array_push(&c->kinds, kind))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool collect_kind(Collector *c, const AccelGroup *group, uint32_t prototype, uint16_t type,
+                         uint32_t *ids, uint32_t count)
+{
+    const ShapeClass *class = (const ShapeClass *)(const void *)c->scene->schema->types[type];
+    switch (class->holding) {
+    case HOLD_FLAT:
+        return collect_flats(c, group, class, type, ids, count);
+    case HOLD_TRIANGLES:
+        return collect_meshes(c, group, class, type, ids, count);
+    case HOLD_UNBOUNDED:
+        for (uint32_t i = 0; i < count; ++i) {
+            if (!array_push(&c->unbounded, (AccelUnbounded){ids[i], prototype})) {
+                return false;
+            }
+        }
+        return true;
+    case HOLD_USER:
+        break;
+    }
+    return array_push(&c->kinds, kind_make(c, class, type, ids, count, false));
+}
+
+// The box of a prototype's own bounded shapes.
+static Box3 shapes_box(Collector *c, const uint32_t *ids, uint32_t count)
+{
+    Box3 all = box3_empty();
+    for (uint32_t i = 0; i < count; ++i) {
+        const SceneNode *node = scene_node(c->scene, CATEGORY_SHAPE, ids[i]);
+        const ShapeClass *class = shape_class(c->scene, node);
+        if (class->holding == HOLD_UNBOUNDED) {
+            continue;
+        }
+        Box3 box = accel_shape_box(c->scene, node);
+        if (box_is_finite(box)) {
+            all = box3_union(all, box);
+        } else if (!box3_is_empty(box) || !isinf(box.min.x)) {
+            c->accel->issues.not_finite += class->holding != HOLD_FLAT; // flats are counted apart
+        }
+    }
+    return all;
+}
+
+static bool collect_group(Collector *c, uint32_t prototype, uint32_t *ids, uint32_t count)
+{
+    AccelGroup *group = &c->accel->groups[prototype];
+    uint32_t type_count = (uint32_t)c->scene->schema->type_count;
+    sort_ids(c->scene, type_key, type_count, ids, count, c->type_starts, c->sorted);
+    memcpy(ids, c->sorted, count * sizeof *ids);
+    c->kinds.count = c->group_pockets.count = 0;
+    for (uint32_t type = 0; type < type_count; ++type) {
+        uint32_t begin = c->type_starts[type], end = c->type_starts[type + 1];
+        if (begin < end &&
+            !collect_kind(c, group, prototype, (uint16_t)type, ids + begin, end - begin)) {
+            return false;
+        }
+    }
+    group->kinds = mem_alloc(c->kinds.count, sizeof *group->kinds);
+    group->pockets = mem_alloc(c->group_pockets.count, sizeof *group->pockets);
+    if (!group->kinds || !group->pockets) {
+        return false;
+    }
+    group->kind_count = (uint32_t)c->kinds.count;
+    group->pocket_count = (uint32_t)c->group_pockets.count;
+    if (group->kind_count) {
+        memcpy(group->kinds, c->kinds.items, c->kinds.count * sizeof *group->kinds);
+    }
+    if (group->pocket_count) {
+        memcpy(group->pockets, c->group_pockets.items,
+               c->group_pockets.count * sizeof *group->pockets);
+    }
+    return true;
+}
+
+// Unbounded shapes of prototypes once for each instance.
+static bool spread_unbounded(Collector *c)
+{
+    const Scene *scene = c->scene;
+    UnboundedArray all = {0};
+    bool ok = true;
+    for (size_t i = 0; ok && i < c->unbounded.count; ++i) {
+        AccelUnbounded it = c->unbounded.items[i];
+        if (it.instance == 0) {
+            ok = array_push(&all, (AccelUnbounded){it.shape, NONE_ID});
+            continue;
+        }
+        for (size_t k = 0; ok && k < scene->instances.count; ++k) {
+            if (scene->instances.items[k].prototype == it.instance) {
+                ok = array_push(&all, (AccelUnbounded){it.shape, (uint32_t)k});
+            }
+        }
+    }
+    c->accel->unbounded = all.items;
+    c->accel->unbounded_count = (uint32_t)all.count;
+    return ok;
+}
+
+// The box of the world's instances; those that aren't finite are counted.
+static Box3 instances_box(Accel *accel)
+{
+    Box3 all = box3_empty();
+    for (size_t i = 0; i < accel->scene->instances.count; ++i) {
+        Box3 box = accel_instance_box(accel, (uint32_t)i);
+        if (box3_is_empty(box)) {
+            continue;
+        }
+        if (box_is_finite(box)) {
+            all = box3_union(all, box);
+        } else {
+            ++accel->issues.not_finite;
+        }
+    }
+    return all;
+}
+
+// Joins the pockets to the groups, and tells every part where it belongs.
+static bool join_groups(Collector *c)
+{
+    Accel *accel = c->accel;
+    size_t prototypes = c->scene->prototypes.count;
+    AccelGroup *groups = mem_realloc(accel->groups, prototypes + c->pockets.count, sizeof *groups);
+    if (!groups) {
+        return false;
+    }
+    accel->groups = groups;
+    if (c->pockets.count) {
+        memcpy(groups + prototypes, c->pockets.items, c->pockets.count * sizeof *groups);
+    }
+    accel->group_count = (uint32_t)(prototypes + c->pockets.count);
+    c->pockets.count = 0; // their kinds belong to the accelerator now
+    for (uint32_t g = 0; g < accel->group_count; ++g) {
+        for (uint32_t k = 0; k < groups[g].kind_count; ++k) {
+            groups[g].kinds[k].group = &groups[g];
+        }
+    }
+    return true;
+}
+
+static bool collect_all(Collector *c, uint32_t *starts)
+{
+    Accel *accel = c->accel;
+    const Scene *scene = c->scene;
+    uint32_t prototypes = (uint32_t)scene->prototypes.count;
+    uint32_t count = (uint32_t)scene->nodes[CATEGORY_SHAPE].count;
+    sort_ids(scene, prototype_key, prototypes, NULL, count, starts, accel->order);
+    // The world last, since its box has those of the instances.
+    for (uint32_t left = prototypes; left-- > 0;) {
+        AccelGroup *group = &accel->groups[left];
+        uint32_t *ids = accel->order + starts[left], size = starts[left + 1] - starts[left];
+        Box3 box = shapes_box(c, ids, size);
+        if (left == 0) {
+            box = box3_union(box, instances_box(accel));
+            group->instance_count = (uint32_t)scene->instances.count;
+        }
+        group_set_bounds(group, box);
+        if (!collect_group(c, left, ids, size)) {
+            return false;
+        }
+    }
+    return spread_unbounded(c) && join_groups(c);
+}
+
+bool accel_collect(Accel *accel)
+{
+    const Scene *scene = accel->scene;
+    size_t prototypes = scene->prototypes.count, shapes = scene->nodes[CATEGORY_SHAPE].count;
+    Collector c = {.accel = accel, .scene = scene};
+    uint32_t *starts = mem_alloc(prototypes + 1, sizeof *starts);
+    c.type_starts = mem_alloc(scene->schema->type_count + 1, sizeof *c.type_starts);
+    c.sorted = mem_alloc(shapes, sizeof *c.sorted);
+    accel->order = mem_alloc(shapes, sizeof *accel->order);
+    accel->groups = mem_alloc_zeroed(prototypes, sizeof *accel->groups);
+    bool ok = starts && c.type_starts && c.sorted && accel->order && accel->groups;
+    if (ok) {
+        accel->group_count = (uint32_t)prototypes;
+        for (size_t i = 0; i < prototypes; ++i) {
+            accel->groups[i].accel = accel;
+        }
+        ok = collect_all(&c, starts);
+    }
+    for (size_t i = 0; i < c.pockets.count; ++i) {
+        mem_free(c.pockets.items[i].kinds);
+    }
+    array_free(&c.pockets);
+    array_free(&c.group_pockets);
+    array_free(&c.kinds);
+    array_free(&c.unbounded);
+    mem_free(starts);
+    mem_free(c.type_starts);
+    mem_free(c.sorted);
+    return ok;
+}
+
+void accel_collect_free(Accel *accel)
+{
+    for (uint32_t i = 0; i < accel->group_count; ++i) {
+        mem_free(accel->groups[i].kinds);
+        mem_free(accel->groups[i].pockets);
+    }
+    mem_free(accel->groups);
+    mem_free(accel->order);
+    mem_free(accel->unbounded);
+}

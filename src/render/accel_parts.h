@@ -1,0 +1,116 @@
+// The accelerator's inside: the scene sorted into groups (accel_collect.c, without Embree), their
+// hierarchies (accel_embree.c, nothing but Embree) and the surfaces at hits (accel_surface.c).
+//
+// A group is geometry that shares one space and one hierarchy: a prototype, the world being the
+// first, or a pocket: a mesh so small beside its prototype that single precision would show there.
+// Within a group Embree sees coordinates (p - center) / scale in [-1, 1], so that single precision
+// is as good at every size and place. Instances and pockets are primitives of one user geometry
+// each, through which the ray goes on in double precision: a million instances are one geometry.
+//
+// Single precision only proposes: curved shapes are intersected in double precision by their kinds;
+// a triangle's hit that is too near to either end of the ray for single precision to tell is
+// decided in double precision by accel_flat_hit, and the hit reported is always that of double
+// precision. So a ray needs to start off a surface by rounding errors of double precision only.
+#ifndef RENDER_ACCEL_PARTS_H
+#define RENDER_ACCEL_PARTS_H
+
+#include "render/accel.h"
+
+// In Embree's coordinates. How far a triangle's plane may seem to lie from where it is: vertices
+// and the ray's origin rounded to 2^-24 of at most 1 each, and their products (a few roundings of
+// terms of at most 2 sqrt(3)). Multiplied by a mesh's `sliver`.
+#define FLAT_ERROR 0x1p-19
+// How far the float ray is begun before, and ended after, the true one.
+#define RAY_MARGIN 0x1p-19
+// How much boxes are grown: the float ray's distance from the true one.
+#define BOX_MARGIN 0x1p-21
+// A mesh smaller than this part of its group gets a pocket.
+#define POCKET_SIZE 0x1p-6
+// Flat shapes with an edge shorter than this part of their group are intersected in double.
+#define FLAT_SIZE 0x1p-14
+
+typedef struct AccelGroup AccelGroup;
+
+// Shapes of one kind in one group.
+typedef struct AccelKind {
+    const Accel *accel;
+    const AccelGroup *group;
+    const ShapeClass *class;
+    const char *params;  // scene's table of the kind
+    const uint32_t *ids; // shape ids
+    uint32_t count;
+    bool native; // triangles of Embree's: flat shapes, or one mesh
+    int corners; // flat shapes: 3, or 4, which are two triangles
+    // Native: bound on the ratio between the product of two edges and the area they span, over
+    // all triangles: what rounding the normal costs.
+    double sliver;
+} AccelKind;
+
+struct AccelGroup {
+    const Accel *accel;
+    Vec3 center;
+    double scale;            // a power of 2
+    Box3 bounds;             // of the bounded geometry, in the group's space
+    AccelKind *kinds;        // a geometry each, numbered alike in Embree's scene
+    uint32_t kind_count;     // then follow, where there are any, …
+    uint32_t *pockets;       // … one geometry of the group's pockets: group numbers
+    uint32_t pocket_count;   //
+    uint32_t instance_count; // … and one of the world's instances (in the world only)
+    void *hierarchy;         // RTCScene; NULL: the group has no bounded geometry
+};
+
+// An unbounded shape, in the world or in an instance.
+typedef struct AccelUnbounded {
+    uint32_t shape, instance;
+} AccelUnbounded;
+
+struct Accel {
+    const Scene *scene;
+    void *device;       // RTCDevice
+    AccelGroup *groups; // one for each prototype, then the pockets
+    uint32_t group_count;
+    uint32_t *order; // shape ids, by prototype and kind
+    AccelUnbounded *unbounded;
+    uint32_t unbounded_count;
+    AccelIssues issues;
+};
+
+// Sorts the scene's shapes into groups. False when memory runs out.
+bool accel_collect(Accel *accel);
+void accel_collect_free(Accel *accel);
+
+// Group coordinates of a box, grown by BOX_MARGIN and rounded outwards: {lower, upper}. False where
+// the box is empty or not finite.
+bool accel_float_box(const AccelGroup *group, Box3 box, float lower[3], float upper[3]);
+// The box of a shape in its group's space.
+Box3 accel_shape_box(const Scene *scene, const SceneNode *node);
+// The box of an instance in the world; empty where the prototype has no bounded geometry.
+Box3 accel_instance_box(const Accel *accel, uint32_t instance);
+
+// The ray in the space of an instance, or of a shape: origin and direction mapped, t the same.
+Ray ray_map(const Affine *inverse, const Ray *ray);
+static inline Ray accel_shape_ray(const Scene *scene, const SceneNode *node, const Ray *ray)
+{
+    return node->transform == 0 ? *ray : ray_map(&scene->inverses.items[node->transform], ray);
+}
+
+// The shape that a native triangle is of, and its primitive there.
+static inline uint32_t accel_native_shape(const AccelKind *kind, uint32_t triangle,
+                                          uint32_t *primitive)
+{
+    bool mesh = kind->class->holding == HOLD_TRIANGLES;
+    *primitive = mesh ? triangle : 0;
+    return kind->ids[mesh ? 0 : kind->corners == 4 ? triangle / 2 : triangle];
+}
+// Where the ray (of the group's space) meets the plane of a native shape's primitive, in double
+// precision, u and v moved into the piece. False where it is parallel.
+bool accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
+                    ShapeHit *hit);
+
+// Tests the unbounded shapes; the nearest before ray->tmax.
+bool accel_unbounded_hit(const Accel *accel, const Ray *ray, Hit *hit);
+
+// The part of [tmin, tmax] of the ray inside the box grown by `margin`; false where there is none.
+bool ray_clip(const Ray *ray, Box3 box, double margin, double *tmin, double *tmax);
+
+#endif
