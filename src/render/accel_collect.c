@@ -12,7 +12,7 @@ static bool box_is_finite(Box3 box)
 
 Box3 accel_shape_box(const Scene *scene, const SceneNode *node)
 {
-    Box3 box = shape_class(scene, node)->bounds(scene, scene_params(scene, node));
+    Box3 box = scene_node_type(scene, node)->bounds(scene, scene_params(scene, node));
     return node->transform == 0 || box3_is_empty(box)
                ? box
                : transform_box(&scene->transforms.items[node->transform], box);

@@ -1,6 +1,7 @@
 // What lies at a hit, and rays that leave it; the parts of intersection that need no hierarchy.
 #include "render/accel_parts.h"
 #include "render/geometry.h"
+#include "render/shapes/flat.h"
 #include "render/shapes/mesh.h"
 
 // A ray leaves a surface at this many times the bound on the point's error.
@@ -53,7 +54,6 @@ static Flat flat_of(const AccelKind *kind, const SceneNode *node, uint32_t primi
                   count == 3};
 }
 
-// Möller, Trumbore 1997, with t from the plane alone: its sign is then that of the origin's side.
 bool accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
                     ShapeHit *hit)
 {
@@ -61,22 +61,17 @@ bool accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, c
     const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, shape);
     Ray local = accel_shape_ray(scene, node, ray);
     Flat flat = flat_of(kind, node, primitive);
-    Vec3 normal = cross(flat.edge_u, flat.edge_v), from = sub(local.origin, flat.corner);
-    double determinant = -dot(normal, local.direction);
-    double t = dot(normal, from) / determinant;
-    if (!isfinite(t)) {
+    if (!flat_meet(flat.corner, flat.edge_u, flat.edge_v, &local, hit)) {
         return false;
     }
-    Vec3 q = cross(from, local.direction);
-    double u = -dot(flat.edge_v, q) / determinant, v = dot(flat.edge_u, q) / determinant;
-    u = fmin(fmax(u, 0), 1);
-    v = fmin(fmax(v, 0), 1);
-    if (flat.triangle && u + v > 1) {
-        double sum = u + v;
-        u /= sum;
-        v /= sum;
+    hit->primitive = primitive;
+    hit->u = fmin(fmax(hit->u, 0), 1);
+    hit->v = fmin(fmax(hit->v, 0), 1);
+    double sum = hit->u + hit->v;
+    if (flat.triangle && sum > 1) {
+        hit->u /= sum;
+        hit->v /= sum;
     }
-    *hit = (ShapeHit){.t = t, .primitive = primitive, .u = u, .v = v};
     return true;
 }
 

@@ -45,6 +45,20 @@ typedef struct Rejection {
 Rejection rejection_begin(double u0, double u1, double u2);
 // In [0, 1).
 double rejection_next(Rejection *rejection);
+// Tries after which the last is taken: where at least a tenth of them are accepted, one in 1e9
+// samples is affected.
+enum { REJECTION_TRIES = 200 };
+
+static inline bool shape_is_closed(const void *params)
+{
+    (void)params;
+    return true;
+}
+static inline bool shape_is_open(const void *params)
+{
+    (void)params;
+    return false;
+}
 
 // --- For shapes that enclose a quadric or need integrals --------------------------------------
 

@@ -1,4 +1,5 @@
-// What the renderer knows of a kind of shape: one file a kind in shapes/, one row in nodes.def.
+// What the renderer knows of a kind of shape: one file a kind in shapes/, one row in nodes.def. Its
+// bounds are those of the NodeType.
 //
 // A shape lives in its own space, where its parameters are. Its node's transform leads from there
 // to the space of its prototype (the world, for prototype 0). Everything here is in the shape's own
@@ -53,7 +54,6 @@ typedef struct ShapeClass {
     ShapeHolding holding;
     // True where it encloses a volume (for glass, media, CSG, "light inside" warnings).
     bool (*closed)(const void *params);
-    Box3 (*bounds)(const Scene *scene, const void *params);
     // The nearest hit with ray->tmin < t < ray->tmax; the direction need not be of unit length.
     bool (*intersect)(const void *params, const Ray *ray, ShapeHit *hit);
     // The geometry at a hit.
@@ -64,7 +64,8 @@ typedef struct ShapeClass {
     // Surface area under `to_world` (its linear part; non-uniform scaling counts), for emitters.
     double (*area)(const Scene *scene, const void *params, const Affine *to_world);
     // A point uniform by area in the world under `to_world`, from three numbers in [0,1); pdf by
-    // world area; the point's fields are in the world. `table` is what prepare_sampling made.
+    // world area, thus 1 / area; the point's fields are in the world. `table` is what
+    // prepare_sampling made (NULL: the same, more slowly; not for meshes).
     void (*sample_area)(const Scene *scene, const void *params, const Affine *to_world,
                         const void *table, double u0, double u1, double u2, ShapeSample *out);
     // Better than by area where it can be: by solid angle seen from `reference` (world). NULL, or
@@ -76,8 +77,8 @@ typedef struct ShapeClass {
     // hits the shape; 0 where it wouldn't apply.
     double (*solid_angle_pdf)(const void *params, const Affine *to_world, Vec3 reference,
                               Vec3 direction);
-    // A table for sample_area (areas of a mesh's triangles), in `arena`; NULL function: none
-    // needed.
+    // A table for sample_area (areas of a mesh's triangles, of a box's faces), in `arena`; NULL
+    // when memory runs out. NULL function: none needed.
     void *(*prepare_sampling)(const Scene *scene, const void *params, const Affine *to_world,
                               Arena *arena);
 } ShapeClass;

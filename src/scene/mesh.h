@@ -4,6 +4,18 @@
 
 #include "scene/scene.h"
 
+// The parameters of the `mesh` kind: its fields as written, and the Mesh that they became.
+typedef struct MeshParams {
+    const char *file;
+    Vec3List vertices;
+    FaceList faces;
+    Vec3List normals;
+    Vec2List uvs;
+    RgbList colors;
+    bool smooth;
+    uint32_t mesh; // derived: index into scene->meshes
+} MeshParams;
+
 // A report at the mesh's `file` field, and the reader's own place in that file.
 typedef struct MeshReport {
     DiagSink *sink;

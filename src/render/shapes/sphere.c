@@ -81,32 +81,53 @@ static void sphere_point(const Scene *scene, const void *params, const Ray *ray,
     sphere_point_at(s, normalize(from_center), out);
 }
 
+// What sampling by area needs of a transform.
+typedef struct SphereTable {
+    double area, most; // most: the largest |C n|
+    bool similar;
+} SphereTable;
+
 // An ellipsoid's area, for |C n|² = nᵀ CᵀC n over the unit sphere: 4π R_G of CᵀC's eigenvalues.
+static SphereTable sphere_table(const Sphere *s, const Affine *to_world)
+{
+    Affine cofactors = affine_cofactors(to_world);
+    Vec3 e = affine_gram_eigenvalues(&cofactors);
+    double factor;
+    return (SphereTable){.area = 4 * PI * s->radius * s->radius * carlson_rg(e.x, e.y, e.z),
+                         .most = sqrt(max_component(e)),
+                         .similar = affine_is_similarity(to_world, &factor)};
+}
+
+static void *sphere_prepare_sampling(const Scene *scene, const void *params, const Affine *to_world,
+                                     Arena *arena)
+{
+    (void)scene;
+    SphereTable *table = ARENA_NEW(arena, SphereTable);
+    if (table) {
+        *table = sphere_table(params, to_world);
+    }
+    return table;
+}
+
 static double sphere_area(const Scene *scene, const void *params, const Affine *to_world)
 {
     (void)scene;
-    const Sphere *s = params;
-    Affine cofactors = affine_cofactors(to_world);
-    Vec3 e = affine_gram_eigenvalues(&cofactors);
-    return 4 * PI * s->radius * s->radius * carlson_rg(e.x, e.y, e.z);
+    return sphere_table(params, to_world).area;
 }
 
 static void sphere_sample_area(const Scene *scene, const void *params, const Affine *to_world,
                                const void *table, double u0, double u1, double u2, ShapeSample *out)
 {
-    (void)table;
+    (void)scene;
     const Sphere *s = params;
-    double uniform_scale;
-    bool similar = affine_is_similarity(to_world, &uniform_scale);
+    SphereTable own = table ? *(const SphereTable *)table : sphere_table(s, to_world);
     Affine cofactors = affine_cofactors(to_world);
-    Vec3 e = affine_gram_eigenvalues(&cofactors);
-    double most = sqrt(max_component(e));
     Rejection more = rejection_begin(u0, u1, u2);
     Vec3 n;
-    for (int tries = 0; tries < 100; ++tries) {
+    for (int tries = 0; tries < REJECTION_TRIES; ++tries) {
         double y = 1 - 2 * u0, around = sqrt(fmax(0, 1 - y * y));
         n = vec3(around * sin(2 * PI * u1), y, around * cos(2 * PI * u1));
-        if (similar || u2 * most <= length(transform_vector(&cofactors, n))) {
+        if (own.similar || u2 * own.most <= length(transform_vector(&cofactors, n))) {
             break;
         }
         u0 = rejection_next(&more);
@@ -116,7 +137,7 @@ static void sphere_sample_area(const Scene *scene, const void *params, const Aff
     sphere_point_at(s, n, &out->point);
     shape_point_map(to_world, &out->point);
     out->primitive = 0;
-    out->pdf = 1 / sphere_area(scene, params, to_world);
+    out->pdf = 1 / own.area;
 }
 
 // The cone under which a sphere is seen: its axis, and 1 - cos of its half angle without the
@@ -184,18 +205,13 @@ static double sphere_solid_angle_pdf(const void *params, const Affine *to_world,
     return sphere_cone(params, to_world, reference, &cone) ? 1 / (2 * PI * cone.one_minus_cos) : 0;
 }
 
-static bool sphere_closed(const void *params)
-{
-    (void)params;
-    return true;
-}
-
 const ShapeClass sphere_shape = {
     .node = {.name = "sphere",
              .category = CATEGORY_SHAPE,
              .params = sphere_params,
              .param_count = sizeof sphere_params / sizeof *sphere_params,
              .size = sizeof(Sphere),
+             .bounds = sphere_bounds,
              .doc = "A sphere. Normals point outwards; u runs around the y axis and v from the "
                     "south pole to the north pole.",
              .formula = "|p - center| = radius, intersected in double precision (Haines et al. "
@@ -204,12 +220,12 @@ const ShapeClass sphere_shape = {
              .example = "sphere { center: (0, 1, 0), radius: 0.5, material: lambert { color: "
                         "#c0392b } }"},
     .holding = HOLD_USER,
-    .closed = sphere_closed,
-    .bounds = sphere_bounds,
+    .closed = shape_is_closed,
     .intersect = sphere_intersect,
     .point = sphere_point,
     .area = sphere_area,
     .sample_area = sphere_sample_area,
     .sample_solid_angle = sphere_sample_solid_angle,
     .solid_angle_pdf = sphere_solid_angle_pdf,
+    .prepare_sampling = sphere_prepare_sampling,
 };

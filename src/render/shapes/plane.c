@@ -1,0 +1,76 @@
+#include "render/geometry.h"
+
+typedef struct Plane {
+    Vec3 point, normal;
+} Plane;
+
+static const Param plane_params[] = {
+    {.name = "point",
+     .type = PARAM_VEC3,
+     PARAM_AT(Plane, point),
+     .dims = DIM_BIT(DIM_LENGTH),
+     .default_text = "(0, 0, 0)",
+     .doc = "Any point of the plane, where uv = (0, 0)."},
+    {.name = "normal",
+     .type = PARAM_VEC3,
+     PARAM_AT(Plane, normal),
+     .flags = PARAM_UNIT_VECTOR,
+     .default_text = "(0, 1, 0)",
+     .doc = "The direction in which its front side looks."},
+};
+
+static Box3 plane_bounds(const Scene *scene, const void *params)
+{
+    (void)scene;
+    (void)params;
+    return (Box3){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+}
+
+static bool plane_intersect(const void *params, const Ray *ray, ShapeHit *hit)
+{
+    const Plane *plane = params;
+    double height = dot(sub(ray->origin, plane->point), plane->normal);
+    *hit = (ShapeHit){.t = -height / dot(ray->direction, plane->normal)};
+    return hit->t > ray->tmin && hit->t < ray->tmax;
+}
+
+// The axes of u and v, in metres: for a floor (normal +y) u is +x and v is -z.
+static Frame plane_frame(const Plane *plane)
+{
+    return frame_from_tangent(plane->normal,
+                              fabs(plane->normal.x) < 0.9 ? vec3(1, 0, 0) : vec3(0, 0, -1));
+}
+
+static void plane_point(const Scene *scene, const void *params, const Ray *ray, const ShapeHit *hit,
+                        ShapePoint *out)
+{
+    (void)scene;
+    const Plane *plane = params;
+    Vec3 from = add_scaled(sub(ray->origin, plane->point), ray->direction, hit->t);
+    from = add_scaled(from, plane->normal, -dot(from, plane->normal));
+    Frame frame = plane_frame(plane);
+    *out = (ShapePoint){.p = add(plane->point, from),
+                        .geometric = plane->normal,
+                        .shading = plane->normal,
+                        .tangent = frame.s,
+                        .uv = {dot(from, frame.s), dot(from, frame.t)},
+                        .color = {1, 1, 1},
+                        .error = rounding_error(max_abs(plane->point) + length(from))};
+}
+
+const ShapeClass plane_shape = {
+    .node = {.name = "plane",
+             .category = CATEGORY_SHAPE,
+             .params = plane_params,
+             .param_count = sizeof plane_params / sizeof *plane_params,
+             .size = sizeof(Plane),
+             .doc = "An infinite plane. Its uv are metres from `point`; on a floor u runs along +x "
+                    "and v along -z. It can't be a light, since its area has no end.",
+             .formula = "(p - point) . normal = 0",
+             .example = "plane { point: (0, -1, 0), material: lambert { color: gray(0.5) } }",
+             .bounds = plane_bounds},
+    .holding = HOLD_UNBOUNDED,
+    .closed = shape_is_open,
+    .intersect = plane_intersect,
+    .point = plane_point,
+};
