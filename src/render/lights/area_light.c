@@ -110,7 +110,7 @@ static AreaData *prepare_shape(const LightPrepare *prepare)
             return NULL;
         }
     }
-    light->bounds = transform_box(&data->to_world, data->class->bounds(scene, data->shape));
+    light->bounds = transform_box(&data->to_world, data->class->node.bounds(scene, data->shape));
     light->data = data;
     return data;
 }
