@@ -100,6 +100,16 @@ Rgb material_pass(const World *world, uint32_t id, const Surface *surface)
     return m->class->pass ? m->class->pass(world, m->params, surface) : rgb_gray(0);
 }
 
+LocalTerms material_local(const ShadingPoint *point, uint32_t id, Vec3 l)
+{
+    const WorldMaterial *m = world_material(point->world, id);
+    if (m->class->local) {
+        return m->class->local(point, m->params, l);
+    }
+    Rgb value = material_eval(point, id, l).value;
+    return (LocalTerms){.specular = rgb_scale(value, (float)PI)};
+}
+
 Vec2 sample_disc(float u, float v)
 {
     double a = 2 * (double)u - 1, b = 2 * (double)v - 1, r, phi;

@@ -47,6 +47,12 @@ typedef struct BsdfSample {
     uint32_t lobes; // the MaterialLobes of the lobe chosen
 } BsdfSample;
 
+// The three terms of the slides' simplified model (equation 3) for one light: what a light of
+// brightness 1 in direction l adds to what the viewer sees.
+typedef struct LocalTerms {
+    Rgb ambient, diffuse, specular; // f_am, f_dl, f_ph: equations (4) to (7)
+} LocalTerms;
+
 typedef struct MaterialClass {
     NodeType node; // first: a MaterialClass is a NodeType
     // The lobes of a material with these parameters. Materials inside are asked by material_lobes.
@@ -66,6 +72,8 @@ typedef struct MaterialClass {
     Rgb (*emitted_mean)(const struct World *world, const void *params);
     // The part of light that passes straight through, for shadow rays (cut-outs). NULL: none.
     Rgb (*pass)(const struct World *world, const void *params, const Surface *surface);
+    // For the `local` integrator; l is unit, in the frame. NULL: see material_local.
+    LocalTerms (*local)(const ShadingPoint *point, const void *params, Vec3 l);
 } MaterialClass;
 
 // A material of the world, resolved: world->materials[id], and [material_count] the default one.
@@ -97,6 +105,10 @@ Rgb material_albedo(const ShadingPoint *point, uint32_t id);
 Rgb material_emitted(const struct World *world, uint32_t id, const Surface *surface);
 Rgb material_emitted_mean(const struct World *world, uint32_t id);
 Rgb material_pass(const struct World *world, uint32_t id, const Surface *surface);
+// The terms of the slides' simplified model. A material that doesn't say otherwise has no ambient
+// term there, and π times its BRDF and cosine as the specular one, so that Lambert's k/π is the
+// slides' k C max(0, n·l); delta lobes show nothing.
+LocalTerms material_local(const ShadingPoint *point, uint32_t id, Vec3 l);
 
 // A direction about +z with pdf z/π from (u, v) in [0,1)² (Shirley and Chiu 1997: concentric).
 Vec3 sample_cosine_hemisphere(float u, float v);

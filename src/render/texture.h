@@ -56,6 +56,20 @@ static inline float number_tex(const TextureSet *set, const NumberTex *value,
                ? (float)value->value
                : (float)value->value * luminance(texture_color(set, value->texture, surface));
 }
+// A pair; a texture gives both numbers.
+static inline Vec2 pair_tex(const TextureSet *set, const PairTex *value, const Surface *surface)
+{
+    double factor = value->texture == NONE_ID
+                        ? 1
+                        : (double)luminance(texture_color(set, value->texture, surface));
+    return (Vec2){value->value.x * factor, value->value.y * factor};
+}
+// A fraction: a number held to [0, 1].
+static inline float fraction_tex(const TextureSet *set, const NumberTex *value,
+                                 const Surface *surface)
+{
+    return fminf(fmaxf(number_tex(set, value, surface), 0), 1);
+}
 // A reflectance: the same, held to [0, 1].
 static inline Rgb reflectance_tex(const TextureSet *set, const ColorTex *value,
                                   const Surface *surface)

@@ -91,6 +91,12 @@ static Rgb pass(const World *world, const void *params, const Surface *surface)
     return emissive->base == NONE_ID ? rgb_gray(0) : material_pass(world, emissive->base, surface);
 }
 
+static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
+{
+    const Emissive *emissive = params;
+    return emissive->base == NONE_ID ? (LocalTerms){0} : material_local(point, emissive->base, l);
+}
+
 const MaterialClass emissive_material = {
     .node = {.name = "emissive",
              .category = CATEGORY_MATERIAL,
@@ -109,4 +115,5 @@ const MaterialClass emissive_material = {
     .emitted = emitted,
     .emitted_mean = emitted_mean,
     .pass = pass,
+    .local = local,
 };

@@ -50,6 +50,13 @@ static bool sample(const ShadingPoint *point, const void *params, float lobe, fl
     return true;
 }
 
+// Equation (5) with k_dl = 1; no ambient and no specular term.
+static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
+{
+    double cos_l = fmax(0, copysign(1, point->wo.z) * l.z);
+    return (LocalTerms){.diffuse = rgb_scale(albedo(point, params), (float)cos_l)};
+}
+
 const MaterialClass lambert_material = {
     .node = {.name = "lambert",
              .category = CATEGORY_MATERIAL,
@@ -64,4 +71,5 @@ const MaterialClass lambert_material = {
     .eval = eval,
     .sample = sample,
     .albedo = albedo,
+    .local = local,
 };

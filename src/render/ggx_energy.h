@@ -1,0 +1,17 @@
+// How much light single scattering by GGX facets gives back when the facets absorb nothing: the
+// directional albedo of expression (10) with F = 1, for isotropic roughness. What is missing from 1
+// has bounced between facets; Kulla and Conty 2017 put it back by these.
+#ifndef RENDER_GGX_ENERGY_H
+#define RENDER_GGX_ENERGY_H
+
+// The table's grid: rows for alpha = j/(rows - 1), columns for x = i/(columns - 1), where
+// x² = mu (1 + alpha)/(mu + alpha), which spreads the steep part at mu ~ alpha out.
+enum { GGX_ENERGY_ROWS = 32, GGX_ENERGY_COLUMNS = 32 };
+
+// Seen under cosine mu in [0, 1]; alpha in [0, 1]. Off by less than 3e-4.
+double ggx_energy(double alpha, double mu);
+// 2 ∫ ggx_energy mu dmu over [0, 1], of the same table, so that what is put back sums to what is
+// missing.
+double ggx_energy_mean(double alpha);
+
+#endif

@@ -1,0 +1,321 @@
+// Microfacet reflection: metals, and rough surfaces of which only the reflection counts.
+#include "render/materials/ggx.h"
+
+#include "render/fresnel.h"
+#include "render/ggx_energy.h"
+#include "render/world.h"
+
+enum { F0, IOR, ETA, K, ALPHA, ROTATION, FRESNEL, ENERGY };
+
+static const char *const FRESNELS[] = {"schlick", "exact", NULL};
+static const char *const ENERGIES[] = {"single", "preserve", NULL};
+
+static const Param PARAMS[] = {
+    [F0] = {.name = "f0",
+            .type = PARAM_COLOR_TEX,
+            PARAM_AT(GgxParams, f0),
+            .min = 0,
+            .max = 1,
+            .flags = PARAM_NO_DEFAULT,
+            .doc = "The reflectance seen along the normal. Exactly one of `f0`, `ior`, and `eta` "
+                   "with `k` is given."},
+    [IOR] = {.name = "ior",
+             .type = PARAM_NUMBER,
+             PARAM_AT(GgxParams, ior),
+             .dims = DIM_BIT(DIM_NONE),
+             .min = 1,
+             .max = 100,
+             .flags = PARAM_NO_DEFAULT,
+             .doc = "The index of refraction of a surface that doesn't conduct. What it doesn't "
+                    "reflect is lost, except as the coat of `layered`."},
+    [ETA] = {.name = "eta",
+             .type = PARAM_COLOR,
+             PARAM_AT(GgxParams, eta),
+             .min = 0,
+             .max = 100,
+             .flags = PARAM_NO_DEFAULT,
+             .doc = "A metal's index of refraction for red, green and blue."},
+    [K] = {.name = "k",
+           .type = PARAM_COLOR,
+           PARAM_AT(GgxParams, k),
+           .min = 0,
+           .max = 100,
+           .flags = PARAM_NO_DEFAULT,
+           .doc = "A metal's coefficient of extinction for red, green and blue."},
+    [ALPHA] = {.name = "alpha",
+               .type = PARAM_PAIR_TEX,
+               PARAM_AT(GgxParams, roughness.alpha),
+               .min = 0,
+               .max = 1,
+               .default_text = "0.2",
+               .doc = "The roughness, or a pair: along the tangent (of growing u) and across it. "
+                      "Below 0.0001 the surface is a perfect mirror."},
+    [ROTATION] = {.name = "rotation",
+                  .type = PARAM_NUMBER_TEX,
+                  PARAM_AT(GgxParams, roughness.rotation),
+                  .dims = DIM_BIT(DIM_ANGLE),
+                  .default_text = "0deg",
+                  .doc = "Turns the axes of a pair `alpha` about the normal, from the tangent "
+                         "towards growing v. A texture gives radians."},
+    [FRESNEL] = {.name = "fresnel",
+                 .type = PARAM_CHOICE,
+                 PARAM_AT(GgxParams, fresnel),
+                 .choices = FRESNELS,
+                 .flags = PARAM_NO_DEFAULT,
+                 .doc = "The Fresnel factor. Without it: \"schlick\" with `f0`, else \"exact\"."},
+    [ENERGY] = {.name = "energy",
+                .type = PARAM_CHOICE,
+                PARAM_AT(GgxParams, energy),
+                .choices = ENERGIES,
+                .default_text = "\"single\"",
+                .doc = "\"preserve\" puts back the light that bounces between facets, which "
+                       "\"single\" loses: up to 60 % where alpha is 1."},
+};
+
+// --- The author's fields ------------------------------------------------------------------------
+
+static bool given(NodeFinish *finish, int32_t *out)
+{
+    bool f0 = finish->set >> F0 & 1, ior = finish->set >> IOR & 1;
+    bool eta = finish->set >> ETA & 1, k = finish->set >> K & 1;
+    if (eta != k) {
+        finish->report(finish, eta ? ETA : K, E0950, "a metal needs both `eta` and `k`");
+        return false;
+    }
+    if (f0 + ior + eta != 1) {
+        int at = f0 + ior + eta == 0 ? -1 : eta ? ETA : IOR;
+        finish->report(finish, at, E0950,
+                       "`ggx` needs exactly one of `f0`, `ior`, and `eta` with `k`");
+        return false;
+    }
+    *out = f0 ? GGX_F0 : ior ? GGX_IOR : GGX_METAL;
+    return true;
+}
+
+static Rgb each(Rgb eta, Rgb k, double (*f)(double, double))
+{
+    return rgb((float)f((double)eta.r, (double)k.r), (float)f((double)eta.g, (double)k.g),
+               (float)f((double)eta.b, (double)k.b));
+}
+
+static Rgb schlick_mean(Rgb f0)
+{
+    return rgb((float)fresnel_schlick_mean((double)f0.r), (float)fresnel_schlick_mean((double)f0.g),
+               (float)fresnel_schlick_mean((double)f0.b));
+}
+
+static bool finish(NodeFinish *finish)
+{
+    GgxParams *ggx = finish->params;
+    if (!given(finish, &ggx->given)) {
+        return false;
+    }
+    if (!(finish->set >> FRESNEL & 1)) {
+        ggx->fresnel = ggx->given == GGX_F0 ? GGX_SCHLICK : GGX_EXACT;
+    } else if (ggx->given == GGX_F0 && ggx->fresnel == GGX_EXACT) {
+        finish->report(finish, FRESNEL, E0951,
+                       "the exact Fresnel formula needs `ior`, or `eta` and `k`");
+        return false;
+    }
+    if (ggx->given != GGX_F0) {
+        ggx->f0.texture = NONE_ID;
+    }
+    if (ggx->given == GGX_IOR) {
+        ggx->normal = rgb_gray((float)fresnel_f0(ggx->ior));
+        ggx->mean = rgb_gray((float)fresnel_dielectric_mean(ggx->ior));
+    } else if (ggx->given == GGX_METAL) {
+        ggx->normal = each(ggx->eta, ggx->k, fresnel_conductor_f0);
+        ggx->mean = each(ggx->eta, ggx->k, fresnel_conductor_mean);
+    }
+    if (ggx->given != GGX_F0 && ggx->fresnel == GGX_SCHLICK) {
+        ggx->mean = schlick_mean(ggx->normal);
+    }
+    return true;
+}
+
+// --- At a point
+// -----------------------------------------------------------------------------------
+
+// The surface at a point, and the viewer on its front in the facets' frame.
+typedef struct Gloss {
+    const GgxParams *params;
+    Facets facets;
+    Vec3 wo;
+    double side; // of the viewer: ±1
+    Rgb f0;
+    // energy: "preserve"
+    double missing_mean; // 1 - mean albedo of mirror facets
+    double missing_wo;   // 1 - their albedo towards wo
+    Rgb between;         // what light loses to the facets on its way between them
+    double diffuse_chance;
+} Gloss;
+
+// What is missing in single scattering is added as a lobe that looks the same from everywhere but
+// for the cosines (Kulla and Conty 2017):
+//   f = F (1 - E(wo)) (1 - E(wi)) / (π (1 - E_mean)), F = F_mean² E_mean / (1 - F_mean (1 -
+//   E_mean))
+// With F = 1 it sums to what is missing. The table of E is isotropic: a pair alpha goes by its
+// geometric mean.
+static double mean_alpha(const Gloss *gloss)
+{
+    return sqrt(gloss->facets.ggx.alpha_x * gloss->facets.ggx.alpha_y);
+}
+
+static float between_facets(float f_mean, double e_mean)
+{
+    double f = (double)f_mean;
+    return (float)(f * f * e_mean / (1 - f * (1 - e_mean)));
+}
+
+static void prepare_energy(Gloss *gloss)
+{
+    double alpha = mean_alpha(gloss), e = ggx_energy_mean(alpha);
+    Rgb f = gloss->params->given == GGX_F0 ? schlick_mean(gloss->f0) : gloss->params->mean;
+    gloss->missing_mean = 1 - e;
+    gloss->missing_wo = 1 - ggx_energy(alpha, gloss->wo.z);
+    gloss->between = rgb(between_facets(f.r, e), between_facets(f.g, e), between_facets(f.b, e));
+    double spread = gloss->missing_wo * (double)luminance(gloss->between);
+    double mirrored = (1 - gloss->missing_wo) * (double)luminance(f);
+    gloss->diffuse_chance = spread > 0 ? spread / (spread + mirrored) : 0;
+}
+
+static Gloss gloss_at(const ShadingPoint *point, const GgxParams *params)
+{
+    Gloss gloss = {.params = params, .facets = roughness_at(point, &params->roughness)};
+    gloss.side = copysign(1, point->wo.z);
+    gloss.wo =
+        facets_from_frame(&gloss.facets, vec3(point->wo.x, point->wo.y, gloss.side * point->wo.z));
+    gloss.f0 = params->given == GGX_F0
+                   ? reflectance_tex(point->world->textures, &params->f0, point->surface)
+                   : params->normal;
+    if (params->energy == GGX_PRESERVE && !gloss.facets.smooth) {
+        prepare_energy(&gloss);
+    }
+    return gloss;
+}
+
+static Vec3 to_front(const Gloss *gloss, Vec3 wi)
+{
+    return facets_from_frame(&gloss->facets, vec3(wi.x, wi.y, gloss->side * wi.z));
+}
+
+static Rgb fresnel_at(const Gloss *gloss, double cos_i)
+{
+    const GgxParams *p = gloss->params;
+    if (p->fresnel == GGX_SCHLICK) {
+        return rgb((float)fresnel_schlick((double)gloss->f0.r, cos_i),
+                   (float)fresnel_schlick((double)gloss->f0.g, cos_i),
+                   (float)fresnel_schlick((double)gloss->f0.b, cos_i));
+    }
+    if (p->given == GGX_IOR) {
+        return rgb_gray((float)fresnel_dielectric(cos_i, p->ior, NULL));
+    }
+    return rgb((float)fresnel_conductor(cos_i, (double)p->eta.r, (double)p->k.r),
+               (float)fresnel_conductor(cos_i, (double)p->eta.g, (double)p->k.g),
+               (float)fresnel_conductor(cos_i, (double)p->eta.b, (double)p->k.b));
+}
+
+static uint32_t lobes(const World *world, const void *params)
+{
+    (void)world;
+    const GgxParams *ggx = params;
+    return LOBE_REFLECT | roughness_lobes(&ggx->roughness);
+}
+
+// Expression (10), times the cosine; wi.z > 0.
+static BsdfEval eval_front(const Gloss *gloss, Vec3 wi)
+{
+    Ggx ggx = gloss->facets.ggx;
+    Vec3 wo = gloss->wo, h = normalize(add(wi, wo));
+    double d = ggx_d(ggx, h), cos_d = dot(wo, h);
+    double f = d * ggx_g2(ggx, wi, wo) / (4 * wo.z);
+    double pdf = d * ggx_g1(ggx, wo) / (4 * wo.z);
+    BsdfEval out = {rgb_scale(fresnel_at(gloss, cos_d), (float)f), (float)pdf};
+    if (gloss->diffuse_chance > 0) {
+        double missing_wi = 1 - ggx_energy(mean_alpha(gloss), wi.z);
+        double cosine = wi.z / PI;
+        double spread = cosine * gloss->missing_wo * missing_wi / gloss->missing_mean;
+        out.value = rgb_add(out.value, rgb_scale(gloss->between, (float)spread));
+        out.pdf = (float)(gloss->diffuse_chance * cosine + (1 - gloss->diffuse_chance) * pdf);
+    }
+    return out;
+}
+
+static BsdfEval eval(const ShadingPoint *point, const void *params, Vec3 wi)
+{
+    if (wi.z * point->wo.z <= 0) {
+        return (BsdfEval){{0, 0, 0}, 0};
+    }
+    Gloss gloss = gloss_at(point, params);
+    return gloss.facets.smooth ? (BsdfEval){{0, 0, 0}, 0}
+                               : eval_front(&gloss, to_front(&gloss, wi));
+}
+
+static Vec3 choose_front(const Gloss *gloss, double lobe, float u, float v)
+{
+    if (lobe < gloss->diffuse_chance) {
+        return sample_cosine_hemisphere(u, v);
+    }
+    Vec3 m = ggx_sample_visible(gloss->facets.ggx, gloss->wo, (double)u, (double)v);
+    return normalize(reflect(gloss->wo, m));
+}
+
+static bool sample(const ShadingPoint *point, const void *params, float lobe, float u, float v,
+                   BsdfSample *out)
+{
+    Gloss gloss = gloss_at(point, params);
+    Vec3 wo = point->wo;
+    if (gloss.facets.smooth) {
+        *out = (BsdfSample){vec3(-wo.x, -wo.y, wo.z), fresnel_at(&gloss, fabs(wo.z)), 1, 1,
+                            LOBE_REFLECT | LOBE_DELTA};
+        return true;
+    }
+    Vec3 wi = choose_front(&gloss, (double)lobe, u, v);
+    if (!(wi.z > 0)) {
+        return false;
+    }
+    BsdfEval e = eval_front(&gloss, wi);
+    if (!(e.pdf > 0) || !isfinite(e.pdf)) {
+        return false;
+    }
+    wi = facets_to_frame(&gloss.facets, wi);
+    *out = (BsdfSample){vec3(wi.x, wi.y, gloss.side * wi.z), rgb_scale(e.value, 1 / e.pdf), e.pdf,
+                        1, LOBE_REFLECT | LOBE_SMOOTH};
+    return true;
+}
+
+static Rgb albedo(const ShadingPoint *point, const void *params)
+{
+    Gloss gloss = gloss_at(point, params);
+    return fresnel_at(&gloss, fabs(point->wo.z));
+}
+
+const MaterialClass ggx_material = {
+    .node = {.name = "ggx",
+             .category = CATEGORY_MATERIAL,
+             .params = PARAMS,
+             .param_count = sizeof PARAMS / sizeof *PARAMS,
+             .size = sizeof(GgxParams),
+             .doc =
+                 "Reflection by microfacets (GGX): brushed and polished metals, glossy surfaces; "
+                 "the same from both sides. With energy \"preserve\" a surface that absorbs "
+                 "nothing gives all light back at any roughness.",
+             .formula =
+                 "f = F D(h) G2(wi, wo) / (4 (n·wi)(n·wo))   (slides, equation 10; slide 79)\n"
+                 "D(m) = 1/(π αx αy ((m·tx/αx)² + (m·ty/αy)² + (m·n)²)²)\n"
+                 "G2 = 1/(1 + Λ(wi) + Λ(wo)), Λ(w) = (√(1 + (αx² x² + αy² y²)/z²) - 1)/2   (Heitz "
+                 "2014)\n"
+                 "F = f0 + (1 - f0)(1 - wi·h)^5, or exact by ior, or eta and k\n"
+                 "preserve: Kulla and Conty 2017; for a pair alpha with its geometric mean",
+             .example = "sphere {\n"
+                        "  material: ggx {\n"
+                        "    eta: rgb(0.143, 0.375, 1.442), k: rgb(3.983, 2.386, 1.603) // gold\n"
+                        "    alpha: (0.1, 0.4), rotation: 30deg\n"
+                        "  }\n"
+                        "}",
+             .finish = finish},
+    .lobes = lobes,
+    .eval = eval,
+    .sample = sample,
+    .albedo = albedo,
+};

@@ -1,0 +1,107 @@
+// A perfect mirror, of any color or of a metal.
+#include "render/fresnel.h"
+#include "render/world.h"
+
+typedef struct Mirror {
+    ColorTex color;
+    Rgb eta, k;
+    bool metal; // derived: by eta and k
+} Mirror;
+
+enum { COLOR, ETA, K };
+
+static const Param PARAMS[] = {
+    [COLOR] = {.name = "color",
+               .type = PARAM_COLOR_TEX,
+               PARAM_AT(Mirror, color),
+               .min = 0,
+               .max = 1,
+               .default_text = "rgb(1, 1, 1)",
+               .doc = "The part of the light that is reflected, at all angles."},
+    [ETA] = {.name = "eta",
+             .type = PARAM_COLOR,
+             PARAM_AT(Mirror, eta),
+             .min = 0,
+             .max = 100,
+             .flags = PARAM_NO_DEFAULT,
+             .doc = "A metal's index of refraction for red, green and blue; with `k`, in place of "
+                    "`color`."},
+    [K] = {.name = "k",
+           .type = PARAM_COLOR,
+           PARAM_AT(Mirror, k),
+           .min = 0,
+           .max = 100,
+           .flags = PARAM_NO_DEFAULT,
+           .doc = "A metal's coefficient of extinction for red, green and blue."},
+};
+
+static bool finish(NodeFinish *finish)
+{
+    Mirror *mirror = finish->params;
+    bool eta = finish->set >> ETA & 1, k = finish->set >> K & 1;
+    mirror->metal = eta && k;
+    if (eta != k) {
+        finish->report(finish, eta ? ETA : K, E0950, "a metal needs both `eta` and `k`");
+        return false;
+    }
+    if (mirror->metal && finish->set >> COLOR & 1) {
+        finish->report(finish, COLOR, E0950, "a metal's color follows from `eta` and `k`");
+        return false;
+    }
+    return true;
+}
+
+static uint32_t lobes(const World *world, const void *params)
+{
+    (void)world, (void)params;
+    return LOBE_REFLECT | LOBE_DELTA;
+}
+
+static BsdfEval eval(const ShadingPoint *point, const void *params, Vec3 wi)
+{
+    (void)point, (void)params, (void)wi;
+    return (BsdfEval){{0, 0, 0}, 0};
+}
+
+static Rgb reflectance(const ShadingPoint *point, const Mirror *mirror, double cos_i)
+{
+    if (mirror->metal) {
+        return rgb((float)fresnel_conductor(cos_i, (double)mirror->eta.r, (double)mirror->k.r),
+                   (float)fresnel_conductor(cos_i, (double)mirror->eta.g, (double)mirror->k.g),
+                   (float)fresnel_conductor(cos_i, (double)mirror->eta.b, (double)mirror->k.b));
+    }
+    return reflectance_tex(point->world->textures, &mirror->color, point->surface);
+}
+
+static bool sample(const ShadingPoint *point, const void *params, float lobe, float u, float v,
+                   BsdfSample *out)
+{
+    (void)lobe, (void)u, (void)v;
+    Vec3 wo = point->wo;
+    *out = (BsdfSample){vec3(-wo.x, -wo.y, wo.z), reflectance(point, params, fabs(wo.z)), 1, 1,
+                        LOBE_REFLECT | LOBE_DELTA};
+    return true;
+}
+
+static Rgb albedo(const ShadingPoint *point, const void *params)
+{
+    return reflectance(point, params, 1);
+}
+
+const MaterialClass mirror_material = {
+    .node = {.name = "mirror",
+             .category = CATEGORY_MATERIAL,
+             .params = PARAMS,
+             .param_count = sizeof PARAMS / sizeof *PARAMS,
+             .size = sizeof(Mirror),
+             .doc = "A perfect mirror, the same from both sides. The integrator \"local\" shows it "
+                    "black, since it reflects no light of its own making.",
+             .formula = "L(wr) = color L(wi), wi = 2 (wr·n) n - wr   (slides, section 3.1);\n"
+                        "a metal: color = F(eta, k, n·wr), exact and unpolarised",
+             .example = "sphere { material: mirror { color: gray(0.95) } }",
+             .finish = finish},
+    .lobes = lobes,
+    .eval = eval,
+    .sample = sample,
+    .albedo = albedo,
+};
