@@ -149,16 +149,17 @@ typedef struct Smoother {
     size_t capacity;
 } Smoother;
 
-static Vec3 vertex_position(const Mesh *mesh, uint32_t vertex)
-{
-    const float *p = mesh->positions + 3 * (size_t)vertex;
-    return vec3((double)p[0], (double)p[1], (double)p[2]);
-}
-
-static uint32_t class_of(const Smoother *s, uint32_t vertex)
+// The vertex that was there before; triangles may refer to copies of it by now.
+static uint32_t original(const Smoother *s, uint32_t vertex)
 {
     uint32_t before = s->mesh->vertex_count;
-    return s->first[vertex < before ? vertex : s->splits.items[vertex - before].vertex];
+    return vertex < before ? vertex : s->splits.items[vertex - before].vertex;
+}
+
+static Vec3 vertex_position(const Smoother *s, uint32_t corner)
+{
+    const float *p = s->mesh->positions + 3 * (size_t)original(s, s->mesh->triangles[corner]);
+    return vec3((double)p[0], (double)p[1], (double)p[2]);
 }
 
 // Counting sort of all corners by the class of their vertex.
@@ -206,9 +207,9 @@ static Vec3 gather(Smoother *s, const uint32_t *corners, uint32_t count)
     Vec3 sum = vec3(0, 0, 0);
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t corner = corners[i], third = corner - corner % 3;
-        Vec3 here = vertex_position(mesh, mesh->triangles[corner]);
-        Vec3 u = sub(vertex_position(mesh, mesh->triangles[third + (corner + 1) % 3]), here);
-        Vec3 v = sub(vertex_position(mesh, mesh->triangles[third + (corner + 2) % 3]), here);
+        Vec3 here = vertex_position(s, corner);
+        Vec3 u = sub(vertex_position(s, third + (corner + 1) % 3), here);
+        Vec3 v = sub(vertex_position(s, third + (corner + 2) % 3), here);
         Vec3 normal = normalize(cross(u, v));
         s->around[i] = (Corner){corner, mesh->triangles[corner], i,
                                 scale(normal, angle_between(u, v)), normal};
@@ -254,7 +255,7 @@ static void join_groups(Smoother *s, uint32_t count)
         uint32_t corner = s->around[i].corner, third = corner - corner % 3;
         for (uint32_t j = 0; j < 2; ++j) {
             uint32_t other = triangles[third + (corner + 1 + j) % 3];
-            s->edges[2 * (size_t)i + j] = (Edge){class_of(s, other), i};
+            s->edges[2 * (size_t)i + j] = (Edge){s->first[original(s, other)], i};
         }
     }
     qsort(s->edges, 2 * (size_t)count, sizeof *s->edges, compare_edges);
