@@ -213,7 +213,8 @@ static inline Box3 box3_add(Box3 b, Vec3 p)
 }
 static inline Box3 box3_union(Box3 a, Box3 b)
 {
-    return box3_add(box3_add(a, b.min), b.max);
+    return (Box3){{fmin(a.min.x, b.min.x), fmin(a.min.y, b.min.y), fmin(a.min.z, b.min.z)},
+                  {fmax(a.max.x, b.max.x), fmax(a.max.y, b.max.y), fmax(a.max.z, b.max.z)}};
 }
 static inline bool box3_is_empty(Box3 b)
 {

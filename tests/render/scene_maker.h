@@ -14,6 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+// What a field's initializer leaves out is zero, by intent.
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+
 // One field: numbers (a component each; a single one is spread over a color), or a node's id as the
 // first number, or a choice's or file's text. `material`, `transform` (an id of
 // scene_add_transform) and `color` of a light are fields, too.

@@ -270,8 +270,8 @@ static void area_lights_know_their_pdf(void **state)
     Affine stretch = affine_scaling(vec3(1, 2, 1.5));
     uint32_t transform = scene_add_transform(&maker.scene, &stretch);
     uint32_t glow = PUT(&maker, "emissive", {"radiance", {1}});
-    PUT(&maker, "sphere", {"center", {0, 3, 0}}, {"material", {glow}});
-    PUT(&maker, "sphere", {"center", {0, 3, 0}}, {"material", {glow}}, {"transform", {transform}});
+    PUT(&maker, "sphere", {"center", {0, -3, 0}}, {"material", {glow}});
+    PUT(&maker, "sphere", {"center", {-4, 0, 0}}, {"material", {glow}}, {"transform", {transform}});
     PUT(&maker, "rectangle", {"corner", {-0.5, 2, -0.5}}, {"u", {1, 0, 0}}, {"v", {0, 0, 1}},
         {"material", {glow}});
     PUT(&maker, "disc", {"center", {1, 2, 0}}, {"normal", {-0.5, -1, 0}}, {"material", {glow}});
