@@ -111,8 +111,9 @@ void print_field_type(FILE *out, const Param *param)
     } else {
         fputs(param_type_name(param->type), out);
         if (param->dims & ~DIM_BIT(DIM_NONE)) {
-            fputs(" of ", out);
+            fputs(" (", out);
             print_dimensions(out, param);
+            fputc(')', out);
         }
     }
     print_range(out, param);
@@ -124,7 +125,7 @@ void print_field_type(FILE *out, const Param *param)
 static void print_field(const Param *param)
 {
     int at = printf("  %-*s", NAME_COLUMN - 2, param->name);
-    if (at > NAME_COLUMN - 1) {
+    if (at > NAME_COLUMN) {
         printf("\n%*s", NAME_COLUMN, "");
     }
     print_field_type(stdout, param);
@@ -166,8 +167,8 @@ static void explain_kind(const NodeType *type)
         print_common_fields(type->category);
     }
     if (type->formula) {
-        puts("\nFormula:");
-        print_code(type->formula);
+        fputs("\nFormula:\n\n    ", stdout);
+        print_wrapped(stdout, type->formula, 4, 4, WIDTH);
     }
     if (type->example) {
         puts("\nExample:");

@@ -31,21 +31,21 @@ static void print_options(Command command)
 static void print_main(void)
 {
     puts("Usage: scnrender FILE.scn [options]\n"
-         "       scnrender COMMAND ...        (`scnrender help COMMAND` for its options)\n");
+         "       scnrender COMMAND ...    (`scnrender help COMMAND` tells its options)\n");
     for (int i = 0; i < COMMAND_COUNT; ++i) {
         char left[32];
         snprintf(left, sizeof left, "%s %s", command_infos[i].name, command_infos[i].operand);
         printf("  %-19s %s\n", left, command_infos[i].text);
     }
-    puts("\nThe picture stands beside the scene under its name, or where -o says; `-` reads the\n"
-         "scene from the standard input. Most used:");
-    static const OptionId most_used[] = {OPTION_OUTPUT, OPTION_SAMPLES, OPTION_SIZE,
-                                         OPTION_SET,    OPTION_CAMERA,  OPTION_QUIET};
+    puts("\nThe picture stands beside the scene under its name, or where -o says; FILE `-` is\n"
+         "the standard input. The most used options:");
+    static const OptionId most_used[] = {OPTION_OUTPUT, OPTION_SAMPLES, OPTION_SIZE, OPTION_SET,
+                                         OPTION_QUIET};
     for (size_t i = 0; i < sizeof most_used / sizeof most_used[0]; ++i) {
         print_option(&option_infos[most_used[i]]);
     }
-    puts("\nExit status: 0 done, 1 the scene has errors, 2 wrong use, 3 a file can't be read or\n"
-         "written, 4 out of memory, 130 interrupted (what was done is written).");
+    puts("\nExit status: 0 done, 1 the scene has errors, 2 wrong use, 3 a file can't be\n"
+         "read or written, 4 out of memory, 130 interrupted (what was done is written).");
 }
 
 static void print_limits(void)

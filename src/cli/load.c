@@ -52,6 +52,10 @@ static int begin_file(Loading *loading, const char *name)
     if (!realpath(name, real)) {
         return complain(EXIT_FILES, "can't read `%s`: %s", name, strerror(errno));
     }
+    struct stat info;
+    if (stat(real, &info) == 0 && !S_ISREG(info.st_mode)) {
+        return complain(EXIT_FILES, "can't read `%s`: it is not a file", name);
+    }
     loading->path = arena_copy_string(&loading->lang.arena, real, strlen(real));
     return loading->path ? EXIT_OK : no_memory();
 }

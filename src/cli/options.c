@@ -50,6 +50,11 @@ static bool wrong(const Parser *parser, const char *format, ...)
 
 // --- Names ---------------------------------------------------------------------------------------
 
+static const char *command_name(size_t i)
+{
+    return i < COMMAND_COUNT ? command_infos[i].name : NULL;
+}
+
 static const char *option_name(size_t i)
 {
     return i < OPTION_COUNT ? option_infos[i].name : NULL;
@@ -386,6 +391,12 @@ static bool choose_command(Parser *parser, Words *words)
                    : wrong(parser, "`%s` wants an operand: %s", info->name, info->operand);
     }
     if (words->count > info->most) {
+        const char *near =
+            named == COMMAND_COUNT ? nearest_name(words->operands[0], command_name) : NULL;
+        if (near) {
+            return wrong(parser, "there is no command `%s`; did you mean `%s`?", words->operands[0],
+                         near);
+        }
         return wrong(parser, "one operand too many: `%s`", words->operands[info->most]);
     }
     options->operand = words->count > 0 ? words->operands[0] : NULL;

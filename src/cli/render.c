@@ -13,6 +13,9 @@
 
 // When a long picture is put on the disk before it is done.
 static const double FIRST_REFRESH_SECONDS = 10, REFRESH_SECONDS = 15;
+static const double WRITER_CHECK_SECONDS = 1; // by then the module is loaded
+
+enum { STOP_FAILED = -1 }; // in place of a signal's number
 
 // --- Dumps ---------------------------------------------------------------------------------------
 
@@ -82,16 +85,30 @@ typedef struct Rendering {
     Picture picture;
     Bar bar;
     double refresh_at; // seconds of rendering
-    bool refresh_failed;
+    bool refresh_failed, writer_checked;
+    char failure[600]; // why rendering was given up; "": it wasn't
     Renderer *renderer;
     RenderStats stats;
 } Rendering;
+
+// Nobody should render for an hour to learn that OpenImageIO is missing.
+static void check_writer(Rendering *rendering, const RenderProgress *progress)
+{
+    if (rendering->writer_checked || progress->seconds < WRITER_CHECK_SECONDS) {
+        return;
+    }
+    rendering->writer_checked = true;
+    if (!image_available(rendering->failure, sizeof rendering->failure)) {
+        atomic_store(&rendering->interrupt.signal, STOP_FAILED);
+    }
+}
 
 // Called by the renderer; at the end of a pass no thread writes to the film.
 static void on_progress(void *context, const RenderProgress *progress)
 {
     Rendering *rendering = context;
     bar_draw(&rendering->bar, progress);
+    check_writer(rendering, progress);
     if (!progress->pass_done || progress->seconds < rendering->refresh_at ||
         progress->fraction >= 1 || rendering->refresh_failed) {
         return;
@@ -128,9 +145,10 @@ static void print_statistics(const Rendering *rendering, const Film *film)
     duration_text(stats->render_seconds, seconds, sizeof seconds);
     count_text(stats->render_seconds > 0 ? (double)rays / stats->render_seconds : 0, rate,
                sizeof rate);
-    fprintf(stderr, "%s: %u x %u, %u samples, %s (and %s to build), %s%srays/s\n",
+    fprintf(stderr, "%s: %u x %u, %u sample%s, %s (and %s to build), %s%srays/s\n",
             rendering->picture.path, (unsigned)film->width, (unsigned)film->height,
-            (unsigned)film->samples_done, seconds, build, rate, strchr(rate, ' ') ? "" : " ");
+            (unsigned)film->samples_done, film->samples_done == 1 ? "" : "s", seconds, build, rate,
+            strchr(rate, ' ') ? "" : " ");
     if (stats->bad_samples > 0) {
         fprintf(stderr, "scnrender: %llu samples were not finite or negative, and left out\n",
                 (unsigned long long)stats->bad_samples);
@@ -142,6 +160,10 @@ static int finish(Rendering *rendering, bool rendered, int signal_number)
 {
     const Film *film = renderer_film(rendering->renderer);
     const Options *options = rendering->loading.options;
+    if (*rendering->failure) {
+        return complain(EXIT_FILES, "can't write `%s`: %s", rendering->picture.path,
+                        rendering->failure);
+    }
     int interrupted = signal_number ? EXIT_SIGNAL + signal_number : EXIT_OK;
     if (signal_number && rendering->stats.samples == 0) {
         return complain(interrupted, "interrupted before the first sample; nothing is written");
@@ -177,6 +199,7 @@ static int render(Rendering *rendering)
     rendering->picture.film_params = renderer_film_params(rendering->renderer);
     rendering->picture.render_params = renderer_params(rendering->renderer);
     rendering->refresh_at = FIRST_REFRESH_SECONDS;
+    image_preload(); // not earlier: Embree's own loading would have to wait for it
     bar_begin(&rendering->bar, !loading->options->quiet);
     bool rendered = renderer_run(rendering->renderer, &rendering->stats);
     bar_end(&rendering->bar);
@@ -209,7 +232,6 @@ int command_render(const Options *options)
         code = prepare(&rendering);
         if (code == EXIT_OK) {
             interrupt_begin(&rendering.interrupt);
-            image_preload();
             code = render(&rendering);
         }
     }
