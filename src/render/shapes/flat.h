@@ -13,8 +13,8 @@ static inline bool flat_meet(Vec3 corner, Vec3 u, Vec3 v, const Ray *ray, ShapeH
     double determinant = -dot(normal, ray->direction);
     Vec3 q = cross(from, ray->direction);
     *hit = (ShapeHit){.t = dot(normal, from) / determinant,
-                      .u = -dot(v, q) / determinant,
-                      .v = dot(u, q) / determinant};
+                      .u = dot(v, q) / determinant,
+                      .v = -dot(u, q) / determinant};
     return isfinite(hit->t);
 }
 
