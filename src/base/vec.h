@@ -213,6 +213,7 @@ static inline Box3 box3_add(Box3 b, Vec3 p)
 }
 static inline Box3 box3_union(Box3 a, Box3 b)
 {
+    // Not the corners of b one by one: those of an empty box are infinite on the wrong sides.
     return (Box3){{fmin(a.min.x, b.min.x), fmin(a.min.y, b.min.y), fmin(a.min.z, b.min.z)},
                   {fmax(a.max.x, b.max.x), fmax(a.max.y, b.max.y), fmax(a.max.z, b.max.z)}};
 }

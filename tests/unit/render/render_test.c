@@ -460,6 +460,16 @@ static void defaults_are_the_tables(void **state)
     sandbox_free(&f.sandbox);
 }
 
+static void the_schema_is_sound(void **state)
+{
+    (void)state;
+    char message[300];
+    const char *wrong = schema_check(render_schema(), message, sizeof message);
+    if (wrong) {
+        fail_msg("%s", wrong);
+    }
+}
+
 static void impossible_pictures_are_refused(void **state)
 {
     (void)state;
@@ -569,6 +579,7 @@ int main(void)
         cmocka_unit_test(progress_and_figures_add_up),
         cmocka_unit_test(options_go_before_the_scene),
         cmocka_unit_test(defaults_are_the_tables),
+        cmocka_unit_test(the_schema_is_sound),
         cmocka_unit_test(impossible_pictures_are_refused),
         cmocka_unit_test(want_of_memory_is_told),
         cmocka_unit_test(cameras_are_chosen),
