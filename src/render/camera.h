@@ -39,8 +39,8 @@ void camera_prepare(Camera *camera, const Scene *scene, uint32_t node, int width
 void camera_setup(Camera *camera, const CameraParams *params, const Affine *transform, int width,
                   int height);
 // The camera of a scene without one: it looks with a field of view of 40 degrees at the centre of
-// `bounds` from the direction (0.5, 0.4, 1), from where all of the box is in the picture. An empty
-// box counts as the unit cube about the origin.
+// `bounds` from the direction (0.5, 0.4, 1), from where all of the box is in the picture. A box
+// that is empty or not finite counts as the unit cube about the origin.
 void camera_default(Camera *camera, Box3 bounds, int width, int height);
 // The id of the first camera of that name, or NONE_ID.
 uint32_t scene_find_camera(const Scene *scene, Str name);

@@ -25,7 +25,7 @@ void camera_prepare(Camera *camera, const Scene *scene, uint32_t node, int width
 
 void camera_default(Camera *camera, Box3 bounds, int width, int height)
 {
-    if (box3_is_empty(bounds)) {
+    if (box3_is_empty(bounds) || !vec3_is_finite(sub(bounds.max, bounds.min))) {
         bounds = (Box3){{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
     }
     const Vec3 center = box3_center(bounds);

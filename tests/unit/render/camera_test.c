@@ -329,6 +329,8 @@ static void default_camera_sees_the_bounds(void **state)
     Camera camera;
     camera_default(&camera, box3_empty(), 100, 100);
     assert_true(vec3_is_finite(camera.params.position));
+    camera_default(&camera, (Box3){{-INFINITY, 0, 0}, {INFINITY, 1, 1}}, 100, 100);
+    assert_true(vec3_is_finite(camera.params.position));
 }
 
 // --- The kind's checks ---------------------------------------------------------------------

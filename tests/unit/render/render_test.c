@@ -559,9 +559,29 @@ static void a_scene_without_camera_is_seen(void **state)
     fixture_init(&f, 1);
     f.scene.nodes[CATEGORY_CAMERA].count = 0;
     f.scene.camera = NONE_ID;
-    Renderer *r = rendered(&f, options_with(1), NULL);
+    // A sphere somewhere: the middle of the picture shows it, the corners don't.
+    const int type = schema_find(f.scene.schema, STR("sphere"));
+    const NodeType *sphere = f.scene.schema->types[type];
+    _Alignas(16) char params[256] = {0};
+    assert_true(sphere->size <= sizeof params);
+    const Vec3 center = vec3(30, -70, 500);
+    const double radius = 0.25;
+    memcpy(params + sphere->params[node_type_find_param(sphere, STR("center"))].offset, &center,
+           sizeof center);
+    memcpy(params + sphere->params[node_type_find_param(sphere, STR("radius"))].offset, &radius,
+           sizeof radius);
+    const SceneNode node = {.material = NONE_ID};
+    assert_true(scene_add_node(&f.scene, (uint16_t)type, params, node) != NONE_ID);
+    RenderOptions options = options_with(1);
+    options.integrator = NULL;
+    Renderer *r = rendered(&f, options, NULL);
     assert_int_equal(f.sink.items[0].code, W0921);
     assert_int_equal(f.sink.errors, 0);
+    const AovPixel *aovs = renderer_film(r)->aovs;
+    assert_int_equal(aovs[H / 2 * W + W / 2].hits, 1);
+    assert_int_equal(aovs[H / 2 * W + W / 2].object, 1);
+    assert_int_equal(aovs[0].hits, 0);
+    assert_int_equal(aovs[H * W - 1].hits, 0);
     renderer_free(r);
     fixture_free(&f);
 }
