@@ -227,6 +227,9 @@ void lexer_number(Lexer *lexer, Token *token)
 
 static void append(Lexer *lexer, const char *bytes, size_t count)
 {
+    if (count == 0) {
+        return;
+    }
     if (!array_reserve(&lexer->scratch, count)) {
         longjmp(*lexer->on_oom, 1);
     }
@@ -301,12 +304,13 @@ void lexer_string(Lexer *lexer, Token *token)
     const char *begin = lexer->at, *at = begin + 1, *run = at, *end = lexer->end;
     lexer->scratch.count = 0;
     bool escaped = false;
-    while (at < end && *at != '"' && *at != '\n') {
+    while (at < end && *at != '"' && *at != '\n' &&
+           !(*at == '\r' && end - at > 1 && at[1] == '\n')) {
         if (*at == '\\') {
             escaped = true;
             append(lexer, run, (size_t)(at - run));
             run = at = escape(lexer, at + 1);
-        } else if ((unsigned char)*at < 0x20 && *at != '\t' && *at != '\r') {
+        } else if ((unsigned char)*at < 0x20 && *at != '\t') {
             diag_report(lexer->sink, E0116, lexer_span(lexer, at, at + 1),
                         "a control character (0x%02x) in a string", (unsigned char)*at);
             ++at;
@@ -316,12 +320,9 @@ void lexer_string(Lexer *lexer, Token *token)
     }
     token->kind = TOKEN_STRING;
     bool closed = at < end && *at == '"';
-    if (!closed && at > begin + 1 && at[-1] == '\r') {
-        --at;
-    }
     if (escaped) {
         append(lexer, run, (size_t)(at - run));
-        const char *text = lexer->scratch.items;
+        const char *text = lexer->scratch.count ? lexer->scratch.items : "";
         token->symbol = lexer_intern(lexer, text, text + lexer->scratch.count);
     } else {
         token->symbol = lexer_intern(lexer, run, at);
