@@ -175,6 +175,11 @@ static bool size_is_allowed(const char *format, const void *bytes, size_t size, 
     return true;
 }
 
+bool image_available(char *message, size_t message_size)
+{
+    return functions(message, message_size) != NULL;
+}
+
 bool image_read(const char *name, const void *bytes, size_t size, ImageLimits limits, Image *out,
                 char *message, size_t message_size)
 {

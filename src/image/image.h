@@ -22,6 +22,8 @@ typedef struct ImageLimits {
 
 // Starts loading the module in a thread of its own, so that nobody waits for it later. Optional.
 void image_preload(void);
+// Waits until the module is loaded. False with a message if it can't be.
+bool image_available(char *message, size_t message_size);
 
 // Decodes an image held in memory; `name` gives the type where the bytes don't, and stands in
 // messages. Reads EXR, PNG, JPEG, TIFF, HDR, WebP, GIF (the first frame), BMP, Targa and PNM/PFM;

@@ -1,10 +1,6 @@
 // The laws by which light falls off with distance.
 #include "render/attenuation.h"
 
-typedef struct NoFields {
-    char unused;
-} NoFields;
-
 static double inverse_square(const void *params, double r)
 {
     (void)params;
@@ -14,7 +10,6 @@ static double inverse_square(const void *params, double r)
 const AttenuationClass inverse_square_attenuation = {
     .node = {.name = "inverse_square",
              .category = CATEGORY_ATTENUATION,
-             .size = sizeof(NoFields),
              .doc = "The natural law: the only one that conserves energy.",
              .formula = "1 / r²",
              .example = "point_light { position: (0, 2, 0), power: 60W, attenuation: "
@@ -32,7 +27,6 @@ static double constant(const void *params, double r)
 const AttenuationClass constant_attenuation = {
     .node = {.name = "constant",
              .category = CATEGORY_ATTENUATION,
-             .size = sizeof(NoFields),
              .doc =
                  "No falling off: the irradiance is the intensity at any distance. Not physical.",
              .formula = "1",

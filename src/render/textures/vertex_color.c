@@ -1,10 +1,6 @@
 // The colours that a mesh carries at its vertices.
 #include "render/texture.h"
 
-typedef struct VertexColor {
-    char unused; // a kind without fields
-} VertexColor;
-
 static Rgb color(const TextureSet *set, const void *params, const void *data,
                  const Surface *surface)
 {
@@ -15,7 +11,6 @@ static Rgb color(const TextureSet *set, const void *params, const void *data,
 const TextureClass vertex_color_texture = {
     .node = {.name = "vertex_color",
              .category = CATEGORY_TEXTURE,
-             .size = sizeof(VertexColor),
              .doc = "The color that a mesh has at its vertices, interpolated over each triangle; "
                     "white on shapes that have none.",
              .example =

@@ -1,0 +1,15 @@
+// The commands, one file each. All return an ExitCode.
+#ifndef CLI_COMMANDS_H
+#define CLI_COMMANDS_H
+
+#include "cli/options.h"
+
+int command_render(const Options *options);
+int command_check(const Options *options);
+int command_params(const Options *options);
+int command_explain(const Options *options);
+int command_reference(const Options *options);
+int command_help(const Options *options);
+int command_version(const Options *options);
+
+#endif

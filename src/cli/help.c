@@ -1,0 +1,103 @@
+// scnrender help [COMMAND]: made from the tables of options.def; fits a terminal of 80 by 24.
+#include "cli/commands.h"
+
+#include "lang/lang.h"
+
+#include <string.h>
+
+enum { OPTION_COLUMN = 24 };
+
+static void print_option(const OptionInfo *info)
+{
+    char left[64];
+    char letter[8] = "    ";
+    if (info->letter) {
+        snprintf(letter, sizeof letter, "-%c, ", info->letter);
+    }
+    snprintf(left, sizeof left, "  %s--%s%s%s", letter, info->name, *info->argument ? " " : "",
+             info->argument);
+    printf("%-*s  %s\n", OPTION_COLUMN, left, info->text);
+}
+
+static void print_options(Command command)
+{
+    for (int i = 0; i < OPTION_COUNT; ++i) {
+        if (option_infos[i].commands & 1u << command) {
+            print_option(&option_infos[i]);
+        }
+    }
+}
+
+static void print_main(void)
+{
+    puts("Usage: scnrender FILE.scn [options]\n"
+         "       scnrender COMMAND ...    (`scnrender help COMMAND` tells its options)\n");
+    for (int i = 0; i < COMMAND_COUNT; ++i) {
+        char left[32];
+        snprintf(left, sizeof left, "%s %s", command_infos[i].name, command_infos[i].operand);
+        printf("  %-19s %s\n", left, command_infos[i].text);
+    }
+    puts("\nThe picture stands beside the scene under its name, or where -o says; FILE `-` is\n"
+         "the standard input. The most used options:");
+    static const OptionId most_used[] = {OPTION_OUTPUT, OPTION_SAMPLES, OPTION_SIZE, OPTION_SET,
+                                         OPTION_QUIET};
+    for (size_t i = 0; i < sizeof most_used / sizeof most_used[0]; ++i) {
+        print_option(&option_infos[most_used[i]]);
+    }
+    puts("\nExit status: 0 done, 1 the scene has errors, 2 wrong use, 3 a file can't be\n"
+         "read or written, 4 out of memory, 130 interrupted (what was done is written).");
+}
+
+static void print_limits(void)
+{
+    static const struct {
+        const char *name, *text;
+        uint64_t value;
+    } limits[] = {
+#define LIMIT(id, value, text) {#id, text, value},
+        LIMITS(LIMIT)
+#undef LIMIT
+    };
+    puts("\nLimits and what they are unless raised:");
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
+        printf("  %-13s %12llu  %s\n", limits[i].name, (unsigned long long)limits[i].value,
+               limits[i].text);
+    }
+}
+
+static void print_command(Command command)
+{
+    const CommandInfo *info = &command_infos[command];
+    printf("Usage: scnrender %s%s%s%s\n\n%s\n\n", info->name, *info->operand ? " " : "",
+           info->operand, option_infos[OPTION_QUIET].commands & 1u << command ? " [options]" : "",
+           info->text);
+    print_options(command);
+    if (command == COMMAND_CHECK) {
+        print_limits();
+    }
+}
+
+static const char *command_name(size_t i)
+{
+    return i < COMMAND_COUNT ? command_infos[i].name : NULL;
+}
+
+int command_help(const Options *options)
+{
+    if (!options->operand) {
+        print_main();
+        return EXIT_OK;
+    }
+    Command command = command_find(options->operand);
+    if (command != COMMAND_COUNT) {
+        print_command(command);
+        return EXIT_OK;
+    }
+    const char *near = nearest_name(options->operand, command_name);
+    fprintf(stderr, "scnrender: there is no command `%s`", options->operand);
+    if (near) {
+        fprintf(stderr, "; did you mean `%s`?", near);
+    }
+    fputc('\n', stderr);
+    return EXIT_USAGE;
+}

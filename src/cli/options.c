@@ -1,0 +1,438 @@
+#include "cli/options.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ON(command) (1u << COMMAND_##command)
+#define ON_ALL      (~0u)
+
+const CommandInfo command_infos[COMMAND_COUNT] = {
+#define COMMAND(id, name, operand, fewest, most, text)                                             \
+    [COMMAND_##id] = {name, operand, fewest, most, text},
+#include "cli/options.def"
+};
+
+const OptionInfo option_infos[OPTION_COUNT] = {
+#define OPTION(id, letter, name, argument, commands, text)                                         \
+    [OPTION_##id] = {letter, name, argument, commands, text},
+#include "cli/options.def"
+};
+
+enum { MOST_THREADS = 4096, LONGEST_SIDE = 1 << 20, FARTHEST_NAME = 3 };
+
+static const int64_t MOST_SAMPLES = INT32_MAX;
+
+// What is being parsed. Lists have room for every argument of the command line.
+typedef struct Parser {
+    Options *options;
+    FILE *err;
+    const char **aovs, **folders;
+    ParamSetting *settings;
+    bool help, version;
+} Parser;
+
+static bool wrong(const Parser *parser, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+static bool wrong(const Parser *parser, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fputs("scnrender: ", parser->err);
+    vfprintf(parser->err, format, arguments);
+    fputc('\n', parser->err);
+    va_end(arguments);
+    return false;
+}
+
+// --- Names ---------------------------------------------------------------------------------------
+
+static const char *command_name(size_t i)
+{
+    return i < COMMAND_COUNT ? command_infos[i].name : NULL;
+}
+
+static const char *option_name(size_t i)
+{
+    return i < OPTION_COUNT ? option_infos[i].name : NULL;
+}
+
+static const char *limit_name(size_t i)
+{
+    static const char *const names[] = {
+#define LIMIT(id, value, text) #id,
+        LIMITS(LIMIT)
+#undef LIMIT
+    };
+    return i < sizeof names / sizeof names[0] ? names[i] : NULL;
+}
+
+const char *nearest_name(const char *name, const char *(*name_of)(size_t i))
+{
+    size_t nearest = strlen(name) / 3 + 1;
+    nearest = nearest < FARTHEST_NAME ? nearest : FARTHEST_NAME;
+    const char *found = NULL;
+    for (size_t i = 0; name_of(i); ++i) {
+        size_t distance = str_distance(str_from(name), str_from(name_of(i)), nearest);
+        if (distance <= nearest && (!found || distance < nearest)) {
+            nearest = distance;
+            found = name_of(i);
+        }
+    }
+    return found;
+}
+
+Command command_find(const char *name)
+{
+    int i = 0;
+    while (i < COMMAND_COUNT && strcmp(command_infos[i].name, name) != 0) {
+        ++i;
+    }
+    return (Command)i;
+}
+
+// The option called by `length` characters of a name; OPTION_COUNT where there is none.
+static OptionId find_option(const char *name, size_t length)
+{
+    int i = 0;
+    while (i < OPTION_COUNT && !str_equal(str_from(option_infos[i].name), (Str){name, length})) {
+        ++i;
+    }
+    return (OptionId)i;
+}
+
+static OptionId find_letter(char letter)
+{
+    int i = 0;
+    while (i < OPTION_COUNT && option_infos[i].letter != letter) {
+        ++i;
+    }
+    return (OptionId)i;
+}
+
+// --- Arguments -----------------------------------------------------------------------------------
+
+// A whole number in [min, max] that fills the text up to `end`.
+static bool whole_number(const char *text, const char *end, int64_t min, int64_t max,
+                         int64_t *number)
+{
+    char *stop;
+    errno = 0;
+    long long value = strtoll(text, &stop, 10);
+    if (text == end || stop != end || *text == ' ' || *text == '+' || errno == ERANGE ||
+        value < min || value > max) {
+        return false;
+    }
+    *number = value;
+    return true;
+}
+
+static bool take_number(const Parser *parser, OptionId id, const char *text, int64_t min,
+                        int64_t max, int64_t *number)
+{
+    return whole_number(text, text + strlen(text), min, max, number) ||
+           wrong(parser, "`--%s` takes a whole number from %lld to %lld, not `%s`",
+                 option_infos[id].name, (long long)min, (long long)max, text);
+}
+
+static bool take_size(const Parser *parser, const char *text)
+{
+    const char *x = strpbrk(text, "xX");
+    int64_t width, height;
+    if (!x || !whole_number(text, x, 1, LONGEST_SIDE, &width) ||
+        !whole_number(x + 1, text + strlen(text), 1, LONGEST_SIDE, &height)) {
+        return wrong(parser, "`--size` takes a size like 960x540 (sides of 1 to %d), not `%s`",
+                     LONGEST_SIDE, text);
+    }
+    parser->options->width = (int)width;
+    parser->options->height = (int)height;
+    return true;
+}
+
+static bool take_setting(const Parser *parser, const char *text)
+{
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text) {
+        return wrong(parser, "`--set` takes NAME=VALUE, not `%s`", text);
+    }
+    parser->settings[parser->options->setting_count++] = (ParamSetting){
+        .name = {text, (size_t)(equals - text)},
+        .value = str_from(equals + 1),
+    };
+    return true;
+}
+
+static bool take_limit(const Parser *parser, const char *text)
+{
+    if (limits_set(&parser->options->limits, str_from(text))) {
+        return true;
+    }
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
+    const char *near = nearest_name(name, limit_name);
+    bool known = near && strcmp(near, name) == 0;
+    return known  ? wrong(parser, "`--limit %s=N` takes a whole number, not `%s`", name, text)
+           : near ? wrong(parser, "`%s` is not a limit; did you mean `%s`?", name, near)
+                  : wrong(parser,
+                          "`--limit` takes NAME=N, not `%s`; `scnrender help check` lists "
+                          "the names",
+                          text);
+}
+
+// "albedo,normal"; the names are checked by who knows them.
+static bool take_aovs(const Parser *parser, const char *text)
+{
+    Options *options = parser->options;
+    for (;;) {
+        size_t length = strcspn(text, ",");
+        if (length == 0) {
+            return wrong(parser, "`--aov` takes names with commas between them");
+        }
+        const char *name = arena_copy_string(&options->arena, text, length);
+        if (!name) {
+            return wrong(parser, "not enough memory");
+        }
+        parser->aovs[options->aov_count++] = name;
+        if (!text[length]) {
+            return true;
+        }
+        text += length + 1;
+    }
+}
+
+static bool take_word(const Parser *parser, OptionId id, const char *text, const char *const *words,
+                      const char *listed, int *number)
+{
+    for (int i = 0; words[i]; ++i) {
+        if (strcmp(words[i], text) == 0) {
+            *number = i;
+            return true;
+        }
+    }
+    return wrong(parser, "`--%s` takes %s, not `%s`", option_infos[id].name, listed, text);
+}
+
+static bool take(Parser *parser, OptionId id, const char *text)
+{
+    static const char *const stages[] = {"tokens", "ast", "scene", NULL};
+    static const char *const forms[] = {"text", "json", NULL};
+    static const char *const depths[] = {"8", "16", "32", NULL};
+    Options *options = parser->options;
+    int64_t number = 0;
+    int word = 0;
+    bool good = true;
+    switch (id) {
+    case OPTION_OUTPUT:
+        options->output = text;
+        return *text || wrong(parser, "`--output` takes the name of a file");
+    case OPTION_SAMPLES:
+        return take_number(parser, id, text, 1, MOST_SAMPLES, &options->samples);
+    case OPTION_SIZE:
+        return take_size(parser, text);
+    case OPTION_CAMERA:
+        options->camera = text;
+        return true;
+    case OPTION_SEED:
+        return take_number(parser, id, text, 0, INT64_MAX, &options->seed);
+    case OPTION_THREADS:
+        good = take_number(parser, id, text, 1, MOST_THREADS, &number);
+        options->threads = (unsigned)number;
+        return good;
+    case OPTION_AOV:
+        return take_aovs(parser, text);
+    case OPTION_BITS:
+        good = take_word(parser, id, text, depths, "8, 16 or 32", &word);
+        options->bits = 8 << word;
+        return good;
+    case OPTION_DUMP:
+        good = take_word(parser, id, text, stages, "tokens, ast or scene", &word);
+        options->dump = (Dump)(DUMP_TOKENS + word);
+        return good;
+    case OPTION_SET:
+        return take_setting(parser, text);
+    case OPTION_LIMIT:
+        return take_limit(parser, text);
+    case OPTION_ALLOW_PATH:
+        parser->folders[options->folder_count++] = text;
+        return true;
+    case OPTION_DIAGNOSTICS:
+        good = take_word(parser, id, text, forms, "text or json", &word);
+        options->json = word == 1;
+        return good;
+    case OPTION_QUIET:
+        options->quiet = true;
+        return true;
+    case OPTION_HELP:
+        parser->help = true;
+        return true;
+    case OPTION_VERSION:
+        parser->version = true;
+        return true;
+    case OPTION_COUNT:
+        break;
+    }
+    return false;
+}
+
+// --- The line ------------------------------------------------------------------------------------
+
+// "--samples=9": whether the argument stands in the same word; else it is the next one.
+static bool parse_long(Parser *parser, char **argv, int argc, int *at, OptionId *id,
+                       const char **argument)
+{
+    const char *name = argv[*at] + 2, *equals = strchr(name, '=');
+    size_t length = equals ? (size_t)(equals - name) : strlen(name);
+    *id = find_option(name, length);
+    if (*id == OPTION_COUNT) {
+        char shown[64];
+        snprintf(shown, sizeof shown, "%.*s", (int)(length < 60 ? length : 60), name);
+        const char *near = nearest_name(shown, option_name);
+        return near ? wrong(parser, "there is no option `--%s`; did you mean `--%s`?", shown, near)
+                    : wrong(parser, "there is no option `--%s`; see `scnrender --help`", shown);
+    }
+    bool wants = *option_infos[*id].argument != '\0';
+    if (equals && !wants) {
+        return wrong(parser, "`--%s` takes no argument", option_infos[*id].name);
+    }
+    *argument = equals ? equals + 1 : NULL;
+    if (wants && !equals) {
+        if (*at + 1 >= argc) {
+            return wrong(parser, "`--%s` wants an argument: %s", option_infos[*id].name,
+                         option_infos[*id].argument);
+        }
+        *argument = argv[++*at];
+    }
+    return true;
+}
+
+// "-o x", "-ox", "-qo x"; *letter is the place within the word.
+static bool parse_letter(Parser *parser, char **argv, int argc, int *at, const char **letter,
+                         OptionId *id, const char **argument)
+{
+    *id = find_letter(**letter);
+    if (*id == OPTION_COUNT) {
+        return wrong(parser, "there is no option `-%c`; see `scnrender --help`", **letter);
+    }
+    ++*letter;
+    *argument = NULL;
+    if (*option_infos[*id].argument) {
+        if (!**letter && *at + 1 >= argc) {
+            return wrong(parser, "`-%c` wants an argument: %s", option_infos[*id].letter,
+                         option_infos[*id].argument);
+        }
+        *argument = **letter ? *letter : argv[++*at];
+        *letter = "";
+    }
+    return true;
+}
+
+typedef struct Words {
+    const char **operands;
+    int count;
+    unsigned given; // bit of each option
+} Words;
+
+static bool parse_words(Parser *parser, int argc, char **argv, Words *words)
+{
+    bool only_operands = false;
+    for (int at = 1; at < argc; ++at) {
+        const char *word = argv[at], *argument = NULL;
+        OptionId id;
+        if (only_operands || word[0] != '-' || strcmp(word, "-") == 0) {
+            words->operands[words->count++] = word;
+        } else if (strcmp(word, "--") == 0) {
+            only_operands = true;
+        } else if (word[1] == '-') {
+            if (!parse_long(parser, argv, argc, &at, &id, &argument) ||
+                !take(parser, id, argument)) {
+                return false;
+            }
+            words->given |= 1u << id;
+        } else {
+            for (const char *letter = word + 1; *letter;) {
+                if (!parse_letter(parser, argv, argc, &at, &letter, &id, &argument) ||
+                    !take(parser, id, argument)) {
+                    return false;
+                }
+                words->given |= 1u << id;
+            }
+        }
+    }
+    return true;
+}
+
+// The first operand may name a command; the others are its own.
+static bool choose_command(Parser *parser, Words *words)
+{
+    Options *options = parser->options;
+    options->command = COMMAND_RENDER;
+    Command named = words->count > 0 ? command_find(words->operands[0]) : COMMAND_COUNT;
+    if (named != COMMAND_COUNT) {
+        options->command = named;
+        ++words->operands;
+        --words->count;
+    }
+    if (parser->version) {
+        options->command = COMMAND_VERSION;
+        return true;
+    }
+    if (parser->help) {
+        options->operand = named == COMMAND_COUNT ? NULL : command_infos[named].name;
+        options->command = COMMAND_HELP;
+        return true;
+    }
+    const CommandInfo *info = &command_infos[options->command];
+    if (words->count < info->fewest) {
+        return named == COMMAND_COUNT
+                   ? wrong(parser, "no scene is named; see `scnrender --help`")
+                   : wrong(parser, "`%s` wants an operand: %s", info->name, info->operand);
+    }
+    if (words->count > info->most) {
+        const char *near =
+            named == COMMAND_COUNT ? nearest_name(words->operands[0], command_name) : NULL;
+        if (near) {
+            return wrong(parser, "there is no command `%s`; did you mean `%s`?", words->operands[0],
+                         near);
+        }
+        return wrong(parser, "one operand too many: `%s`", words->operands[info->most]);
+    }
+    options->operand = words->count > 0 ? words->operands[0] : NULL;
+    for (int id = 0; id < OPTION_COUNT; ++id) {
+        if (words->given & 1u << id && !(option_infos[id].commands & 1u << options->command)) {
+            return wrong(parser, "`%s` doesn't take `--%s`", info->name, option_infos[id].name);
+        }
+    }
+    return true;
+}
+
+bool options_parse(Options *options, int argc, char **argv, FILE *err)
+{
+    *options = (Options){.seed = -1, .limits = limits_default()};
+    size_t most = argc > 0 ? (size_t)argc : 0, aovs = 0;
+    for (size_t i = 0; i < most; ++i) { // a list may stand in one word
+        for (const char *at = argv[i]; *at; ++at) {
+            aovs += *at == ',';
+        }
+    }
+    Parser parser = {.options = options,
+                     .err = err,
+                     .aovs = arena_array(&options->arena, most + aovs, sizeof *parser.aovs),
+                     .folders = arena_array(&options->arena, most, sizeof *parser.folders),
+                     .settings = arena_array(&options->arena, most, sizeof *parser.settings)};
+    Words words = {.operands = arena_array(&options->arena, most, sizeof *words.operands)};
+    if (!parser.aovs || !parser.folders || !parser.settings || !words.operands) {
+        return wrong(&parser, "not enough memory");
+    }
+    options->aovs = parser.aovs;
+    options->folders = parser.folders;
+    options->settings = parser.settings;
+    return parse_words(&parser, argc, argv, &words) && choose_command(&parser, &words);
+}
+
+void options_free(Options *options)
+{
+    arena_free(&options->arena);
+}

@@ -1,0 +1,82 @@
+// The command line, parsed.
+#ifndef CLI_OPTIONS_H
+#define CLI_OPTIONS_H
+
+#include "base/arena.h"
+#include "lang/lang.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+typedef enum ExitCode {
+    EXIT_OK = 0,
+    EXIT_DIAGNOSTICS = 1, // the scene has errors
+    EXIT_USAGE = 2,
+    EXIT_FILES = 3, // a file can't be read or written
+    EXIT_NO_MEMORY = 4,
+    EXIT_SIGNAL = 128, // + the signal that ended rendering early
+} ExitCode;
+
+typedef enum Command {
+#define COMMAND(id, name, operand, fewest, most, text) COMMAND_##id,
+#include "cli/options.def"
+    COMMAND_COUNT
+} Command;
+
+typedef enum OptionId {
+#define OPTION(id, letter, name, argument, commands, text) OPTION_##id,
+#include "cli/options.def"
+    OPTION_COUNT
+} OptionId;
+
+typedef enum Dump { DUMP_NOTHING, DUMP_TOKENS, DUMP_AST, DUMP_SCENE } Dump;
+
+typedef struct Options {
+    Arena arena; // lists below
+    Command command;
+    const char *operand; // or NULL
+    const char *output, *camera;
+    int64_t samples, seed; // 0, -1: the scene's
+    int width, height;     // 0: the scene's
+    unsigned threads;      // 0: one a processor
+    int bits;              // 0: the type's
+    Dump dump;
+    bool json, quiet;
+    const char *const *aovs; // names
+    size_t aov_count;
+    const ParamSetting *settings;
+    size_t setting_count;
+    const char *const *folders; // --allow-path
+    size_t folder_count;
+    Limits limits;
+} Options;
+
+// Parses the command line into *options, to be freed with options_free whatever happens. False
+// after a message on `err`: a wrong use. Strings point into argv.
+bool options_parse(Options *options, int argc, char **argv, FILE *err);
+void options_free(Options *options);
+
+typedef struct CommandInfo {
+    const char *name, *operand;
+    int fewest, most;
+    const char *text;
+} CommandInfo;
+extern const CommandInfo command_infos[COMMAND_COUNT];
+
+typedef struct OptionInfo {
+    char letter;
+    const char *name, *argument;
+    unsigned commands; // bit of each Command that takes it
+    const char *text;
+} OptionInfo;
+extern const OptionInfo option_infos[OPTION_COUNT];
+
+// COMMAND_COUNT where there is none of that name.
+Command command_find(const char *name);
+// The nearest name of a list, for "did you mean"; NULL where none is near. name_of(i) is NULL at
+// the end.
+const char *nearest_name(const char *name, const char *(*name_of)(size_t i));
+
+#endif

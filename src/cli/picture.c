@@ -1,0 +1,329 @@
+#include "cli/picture.h"
+
+#include "base/mem.h"
+#include "image/image.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+// --- The name ------------------------------------------------------------------------------------
+
+static bool begins_with(const char *text, const char *start)
+{
+    return strncmp(text, start, strlen(start)) == 0;
+}
+
+// A scene may name its picture, but not reach out of its folder: it can write nothing else.
+static bool stays_below(const char *file)
+{
+    if (!*file || file[0] == '/') {
+        return false;
+    }
+    for (const char *at = file; at; at = strchr(at, '/')) {
+        at += *at == '/';
+        if (begins_with(at, "../") || strcmp(at, "..") == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// The folder of `file` beside the scene must not be a link that leads elsewhere.
+static bool folder_is_inside(const char *path, const char *scene_folder)
+{
+    char folder[PATH_MAX], real[PATH_MAX];
+    size_t length = (size_t)(strrchr(path, '/') - path);
+    if (length >= sizeof folder) {
+        return false;
+    }
+    memcpy(folder, path, length);
+    folder[length] = '\0';
+    if (!realpath(length ? folder : "/", real)) {
+        return true; // it isn't there; whoever opens the file will say so
+    }
+    size_t scene_length = strlen(scene_folder);
+    return strncmp(real, scene_folder, scene_length) == 0 &&
+           (real[scene_length] == '/' || real[scene_length] == '\0' || scene_length == 1);
+}
+
+static int named_by_scene(Picture *picture, Loading *loading, const char *file)
+{
+    const char *slash = strrchr(loading->path, '/');
+    int length = slash > loading->path ? (int)(slash - loading->path) : 0;
+    Arena *arena = &loading->scene.arena;
+    picture->path = arena_printf(arena, "%.*s/%s", length, loading->path, file);
+    const char *folder = arena_printf(arena, "%.*s", length ? length : 1, loading->path);
+    if (!picture->path || !folder) {
+        return complain(EXIT_NO_MEMORY, "not enough memory");
+    }
+    if (!stays_below(file) || !folder_is_inside(picture->path, folder)) {
+        return complain(EXIT_DIAGNOSTICS,
+                        "the scene's picture `%s` would lie outside the scene's folder; say -o %s "
+                        "if you want it there",
+                        file, file);
+    }
+    return EXIT_OK;
+}
+
+// scene.scn -> scene.png
+static int named_after_scene(Picture *picture, Loading *loading)
+{
+    const char *shown = loading->shown;
+    const char *slash = strrchr(shown, '/'), *name = slash ? slash + 1 : shown;
+    const char *dot = strrchr(name, '.');
+    size_t length = dot && dot > name ? (size_t)(dot - shown) : strlen(shown);
+    picture->path = arena_printf(&loading->scene.arena, "%.*s.png", (int)length, shown);
+    return picture->path ? EXIT_OK : complain(EXIT_NO_MEMORY, "not enough memory");
+}
+
+static int find_name(Picture *picture, Loading *loading, const char *file)
+{
+    const char *output = loading->options->output;
+    if (output) {
+        picture->path = output;
+        return EXIT_OK;
+    }
+    if (file) {
+        return named_by_scene(picture, loading, file);
+    }
+    if (loading->is_text) {
+        return complain(EXIT_USAGE,
+                        "a scene from a pipe has no name: say -o where its picture goes");
+    }
+    return named_after_scene(picture, loading);
+}
+
+// --- Layers --------------------------------------------------------------------------------------
+
+static const char *aov_name(size_t i)
+{
+    return i < AOV_COUNT ? film_aovs[i].name : NULL;
+}
+
+static int choose_layer(Picture *picture, const char *name)
+{
+    int aov = film_find_aov(str_from(name));
+    if (aov >= 0) {
+        picture->aovs[aov] = true;
+        return EXIT_OK;
+    }
+    const char *near = nearest_name(name, aov_name);
+    if (near) {
+        return complain(EXIT_USAGE, "`%s` is not a layer; did you mean `%s`?", name, near);
+    }
+    fprintf(stderr, "scnrender: `%s` is not a layer; there are", name);
+    for (int i = 0; i < AOV_COUNT; ++i) {
+        fprintf(stderr, "%s %s", i ? "," : "", film_aovs[i].name);
+    }
+    fputc('\n', stderr);
+    return EXIT_USAGE;
+}
+
+static int choose_layers(Picture *picture, const Loading *loading, const StringList *of_scene)
+{
+    const Options *options = loading->options;
+    int code = EXIT_OK;
+    for (size_t i = 0; code == EXIT_OK && i < options->aov_count; ++i) {
+        code = choose_layer(picture, options->aovs[i]);
+    }
+    for (uint32_t i = 0; code == EXIT_OK && i < of_scene->count; ++i) {
+        code = choose_layer(picture, of_scene->items[i]);
+    }
+    if (code == EXIT_OK && picture_has_layers(picture) && !image_has_layers(picture->path)) {
+        if (options->aov_count > 0) {
+            return complain(EXIT_USAGE, "only an EXR holds further layers, not `%s`",
+                            picture->path);
+        }
+        if (!options->quiet) {
+            complain(EXIT_OK, "the scene's further layers are left out: only an EXR holds them");
+        }
+        memset(picture->aovs, 0, sizeof picture->aovs);
+    }
+    return code;
+}
+
+bool picture_has_layers(const Picture *picture)
+{
+    bool any = false;
+    for (int i = 0; i < AOV_COUNT; ++i) {
+        any |= picture->aovs[i];
+    }
+    return any;
+}
+
+// --- Before rendering ----------------------------------------------------------------------------
+
+// Whoever waits an hour for a picture wants to know at once that it can't be kept.
+static int check_writable(const Picture *picture, Arena *arena)
+{
+    char message[512];
+    char *temporary = atomic_temporary_name(arena, picture->path, message, sizeof message);
+    if (!temporary) {
+        return complain(EXIT_FILES, "%s", message);
+    }
+    atomic_discard(temporary);
+    return EXIT_OK;
+}
+
+int picture_begin(Picture *picture, Loading *loading)
+{
+    *picture = (Picture){.loading = loading, .bits = loading->options->bits};
+    FilmParams film = scene_film(&loading->scene);
+    int code = find_name(picture, loading, film.file);
+    if (code != EXIT_OK) {
+        return code;
+    }
+    if (!image_can_write(picture->path)) {
+        return complain(EXIT_USAGE, "`%s` is not of a type that can be written: %s", picture->path,
+                        image_extensions());
+    }
+    if (!image_has_bits(picture->path, picture->bits)) {
+        return complain(EXIT_USAGE, "`%s` can't have %d bits a channel", picture->path,
+                        picture->bits);
+    }
+    code = choose_layers(picture, loading, &film.aovs);
+    return code == EXIT_OK ? check_writable(picture, &loading->scene.arena) : code;
+}
+
+// --- Content -------------------------------------------------------------------------------------
+
+enum { MOST_ATTRIBUTES = 9 };
+
+typedef struct Attributes {
+    ImageAttribute items[MOST_ATTRIBUTES];
+    int count;
+    bool complete;
+} Attributes;
+
+static void add_attribute(Attributes *attributes, const char *name, const char *text)
+{
+    attributes->complete &= text != NULL;
+    if (text && attributes->count < MOST_ATTRIBUTES) {
+        attributes->items[attributes->count++] = (ImageAttribute){name, text};
+    }
+}
+
+// "count=9, wide=true"
+static const char *parameters_text(const Scene *scene, Arena *arena)
+{
+    const char *text = "";
+    for (size_t i = 0; text && i < scene->params.count; ++i) {
+        const SceneParam *param = &scene->params.items[i];
+        text =
+            arena_printf(arena, "%s%s%s=%s", text, i ? ", " : "", param->name, param->value_text);
+    }
+    return text;
+}
+
+static const char *camera_name(const Scene *scene)
+{
+    if (scene->camera >= scene->nodes[CATEGORY_CAMERA].count) {
+        return "";
+    }
+    return scene->names.items[scene_node(scene, CATEGORY_CAMERA, scene->camera)->name];
+}
+
+// Where the picture comes from; nothing that differs between two runs that make the same picture.
+static Attributes make_attributes(const Picture *picture, const Film *film, Arena *arena)
+{
+    const Scene *scene = &picture->loading->scene;
+    const RenderParams *render = picture->render_params;
+    const char *slash = strrchr(picture->loading->shown, '/');
+    Attributes attributes = {.complete = true};
+    add_attribute(&attributes, "Software", "scnrender " SCN_VERSION);
+    add_attribute(&attributes, "scnrender:version", SCN_VERSION);
+    add_attribute(&attributes, "scnrender:scene", slash ? slash + 1 : picture->loading->shown);
+    add_attribute(&attributes, "scnrender:scene_hash",
+                  arena_printf(arena, "%016llx", (unsigned long long)scene->hash));
+    add_attribute(&attributes, "scnrender:parameters", parameters_text(scene, arena));
+    add_attribute(&attributes, "scnrender:seed",
+                  arena_printf(arena, "%lld", (long long)render->seed));
+    add_attribute(&attributes, "scnrender:samples",
+                  arena_printf(arena, "%u", (unsigned)film->samples_done));
+    add_attribute(&attributes, "scnrender:integrator",
+                  integrator_classes[render->integrator]->name);
+    add_attribute(&attributes, "scnrender:camera", camera_name(scene));
+    return attributes;
+}
+
+static bool add_ids(const Film *film, int aov, Arena *arena, ImageLayer *layer)
+{
+    size_t count = film_pixel_count(film);
+    uint32_t *ids = arena_array(arena, count, sizeof *ids);
+    for (size_t i = 0; ids && i < count; ++i) {
+        ids[i] = aov == AOV_OBJECT_ID ? film->aovs[i].object : film->aovs[i].material;
+    }
+    layer->ids = ids;
+    return ids != NULL;
+}
+
+static bool add_values(const Film *film, int aov, Arena *arena, ImageLayer *layer)
+{
+    size_t channels = (size_t)film_aovs[aov].channels;
+    float *values = arena_array(arena, film_pixel_count(film), channels * sizeof *values);
+    layer->pixels = values;
+    return values && film_aov(film, aov, values);
+}
+
+// The picture first, then the further layers; alpha is the picture's fourth channel. How many
+// layers, or 0 without memory.
+static int make_layers(const Picture *picture, const Film *film, Arena *arena, ImageLayer *layers)
+{
+    static const char *const rgba[] = {"R", "G", "B", "A"};
+    int channels = picture->aovs[AOV_ALPHA] ? 4 : 3, count = 1;
+    float *pixels = arena_array(arena, film_pixel_count(film), (size_t)channels * sizeof *pixels);
+    if (!pixels) {
+        return 0;
+    }
+    film_develop(film, picture->film_params, channels,
+                 image_is_linear(picture->path, picture->bits), pixels);
+    layers[0] = (ImageLayer){"", channels, rgba, pixels, NULL};
+    for (int aov = 0; aov < AOV_COUNT; ++aov) {
+        if (!picture->aovs[aov] || aov == AOV_ALPHA) {
+            continue;
+        }
+        const FilmAov *info = &film_aovs[aov];
+        layers[count] = (ImageLayer){info->name, info->channels, info->suffixes, NULL, NULL};
+        if (!(info->uint32_ids ? add_ids(film, aov, arena, &layers[count])
+                               : add_values(film, aov, arena, &layers[count]))) {
+            return 0;
+        }
+        ++count;
+    }
+    return count;
+}
+
+static int write_layers(const Picture *picture, const Film *film, Arena *arena, char *message,
+                        size_t message_size)
+{
+    ImageLayer layers[AOV_COUNT + 1];
+    int layer_count = make_layers(picture, film, arena, layers);
+    Attributes attributes = make_attributes(picture, film, arena);
+    if (layer_count == 0 || !attributes.complete) {
+        snprintf(message, message_size, "not enough memory to write `%s`", picture->path);
+        return EXIT_NO_MEMORY;
+    }
+    ImageFile file = {(int)film->width, (int)film->height, picture->bits,   layers,
+                      layer_count,      attributes.items,  attributes.count};
+    char *temporary = atomic_temporary_name(arena, picture->path, message, message_size);
+    if (!temporary) {
+        return EXIT_FILES;
+    }
+    char why[400];
+    if (!image_write(temporary, picture->path, &file, why, sizeof why)) {
+        atomic_discard(temporary);
+        snprintf(message, message_size, "can't write `%s`: %s", picture->path, why);
+        return EXIT_FILES;
+    }
+    return atomic_rename(temporary, picture->path, message, message_size) ? EXIT_OK : EXIT_FILES;
+}
+
+int picture_write(const Picture *picture, const Film *film, char *message, size_t message_size)
+{
+    Arena arena = {0};
+    int code = write_layers(picture, film, &arena, message, message_size);
+    arena_free(&arena);
+    return code;
+}

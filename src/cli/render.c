@@ -1,0 +1,242 @@
+// scnrender FILE: text -> flat scene -> film -> picture; or, with --dump, one of the stages.
+#include "render/render.h"
+
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/load.h"
+#include "cli/picture.h"
+#include "cli/progress.h"
+#include "image/image.h"
+#include "scene/dump.h"
+
+#include <string.h>
+
+// When a long picture is put on the disk before it is done.
+static const double FIRST_REFRESH_SECONDS = 10, REFRESH_SECONDS = 15;
+static const double WRITER_CHECK_SECONDS = 1; // by then the module is loaded
+
+enum { STOP_FAILED = -1 }; // in place of a signal's number
+
+// --- Dumps ---------------------------------------------------------------------------------------
+
+static int dump(Loading *loading)
+{
+    Lang *lang = &loading->lang;
+    switch (loading->options->dump) {
+    case DUMP_TOKENS:
+        lang_dump_tokens(lang, loading->path, loading->shown, stdout);
+        break;
+    case DUMP_AST:
+        lang_dump_ast(lang, loading->path, loading->shown, stdout);
+        break;
+    default:
+        if (loading_evaluate(loading)) {
+            scene_dump_json(&loading->scene, &lang->sources, stdout);
+        }
+    }
+    return loading_report(loading);
+}
+
+// --- What the options change ---------------------------------------------------------------------
+
+static int choose_camera(Scene *scene, const char *name)
+{
+    const SceneNodeArray *cameras = &scene->nodes[CATEGORY_CAMERA];
+    for (uint32_t i = 0; i < cameras->count; ++i) {
+        if (strcmp(scene->names.items[cameras->items[i].name], name) == 0) {
+            scene->camera = i;
+            return EXIT_OK;
+        }
+    }
+    fprintf(stderr, "scnrender: the scene has no camera called `%s`", name);
+    const char *before = "; it has";
+    for (uint32_t i = 0; i < cameras->count; ++i) {
+        const char *other = scene->names.items[cameras->items[i].name];
+        if (*other) {
+            fprintf(stderr, "%s `%s`", before, other);
+            before = ",";
+        }
+    }
+    fputc('\n', stderr);
+    return EXIT_USAGE;
+}
+
+static int check_pixels(const Loading *loading)
+{
+    const Options *options = loading->options;
+    FilmParams film = scene_film(&loading->scene);
+    uint64_t width = options->width ? (uint64_t)options->width : (uint64_t)film.width;
+    uint64_t height = options->height ? (uint64_t)options->height : (uint64_t)film.height;
+    if (width * height <= options->limits.pixels) {
+        return EXIT_OK;
+    }
+    return complain(
+        options->width ? EXIT_USAGE : EXIT_DIAGNOSTICS,
+        "%llu x %llu pixels are more than the limit of %llu; --limit pixels=N raises it",
+        (unsigned long long)width, (unsigned long long)height,
+        (unsigned long long)options->limits.pixels);
+}
+
+// --- Rendering -----------------------------------------------------------------------------------
+
+typedef struct Rendering {
+    Loading loading;
+    Interrupt interrupt;
+    Picture picture;
+    Bar bar;
+    double refresh_at; // seconds of rendering
+    bool refresh_failed, writer_checked;
+    char failure[600]; // why rendering was given up; "": it wasn't
+    Renderer *renderer;
+    RenderStats stats;
+} Rendering;
+
+// Nobody should render for an hour to learn that OpenImageIO is missing.
+static void check_writer(Rendering *rendering, const RenderProgress *progress)
+{
+    if (rendering->writer_checked || progress->seconds < WRITER_CHECK_SECONDS) {
+        return;
+    }
+    rendering->writer_checked = true;
+    if (!image_available(rendering->failure, sizeof rendering->failure)) {
+        atomic_store(&rendering->interrupt.signal, STOP_FAILED);
+    }
+}
+
+// Called by the renderer; at the end of a pass no thread writes to the film.
+static void on_progress(void *context, const RenderProgress *progress)
+{
+    Rendering *rendering = context;
+    bar_draw(&rendering->bar, progress);
+    check_writer(rendering, progress);
+    if (!progress->pass_done || progress->seconds < rendering->refresh_at ||
+        progress->fraction >= 1 || rendering->refresh_failed) {
+        return;
+    }
+    char message[1024];
+    if (picture_write(&rendering->picture, progress->film, message, sizeof message) != EXIT_OK) {
+        bar_end(&rendering->bar);
+        complain(EXIT_OK, "%s; will try again at the end", message);
+        rendering->refresh_failed = true;
+    }
+    rendering->refresh_at = progress->seconds + REFRESH_SECONDS;
+}
+
+static RenderOptions render_options(Rendering *rendering)
+{
+    const Options *options = rendering->loading.options;
+    return (RenderOptions){.threads = options->threads,
+                           .width = options->width,
+                           .height = options->height,
+                           .samples = options->samples,
+                           .seed = options->seed,
+                           .aovs = picture_has_layers(&rendering->picture),
+                           .stop = &rendering->interrupt.signal,
+                           .progress = on_progress,
+                           .context = rendering};
+}
+
+static void print_statistics(const Rendering *rendering, const Film *film)
+{
+    const RenderStats *stats = &rendering->stats;
+    uint64_t rays = stats->rays + stats->shadow_rays;
+    char build[32], seconds[32], rate[32];
+    duration_text(stats->build_seconds, build, sizeof build);
+    duration_text(stats->render_seconds, seconds, sizeof seconds);
+    count_text(stats->render_seconds > 0 ? (double)rays / stats->render_seconds : 0, rate,
+               sizeof rate);
+    fprintf(stderr, "%s: %u x %u, %u sample%s, %s (and %s to build), %s%srays/s\n",
+            rendering->picture.path, (unsigned)film->width, (unsigned)film->height,
+            (unsigned)film->samples_done, film->samples_done == 1 ? "" : "s", seconds, build, rate,
+            strchr(rate, ' ') ? "" : " ");
+    if (stats->bad_samples > 0) {
+        fprintf(stderr, "scnrender: %llu samples were not finite or negative, and left out\n",
+                (unsigned long long)stats->bad_samples);
+    }
+}
+
+// Writes what is done and says so.
+static int finish(Rendering *rendering, bool rendered, int signal_number)
+{
+    const Film *film = renderer_film(rendering->renderer);
+    const Options *options = rendering->loading.options;
+    if (*rendering->failure) {
+        return complain(EXIT_FILES, "can't write `%s`: %s", rendering->picture.path,
+                        rendering->failure);
+    }
+    int interrupted = signal_number ? EXIT_SIGNAL + signal_number : EXIT_OK;
+    if (signal_number && rendering->stats.samples == 0) {
+        return complain(interrupted, "interrupted before the first sample; nothing is written");
+    }
+    if (!rendered) {
+        return complain(EXIT_NO_MEMORY, "not enough memory to render");
+    }
+    char message[1024];
+    int code = picture_write(&rendering->picture, film, message, sizeof message);
+    if (code != EXIT_OK) {
+        return complain(code, "%s", message);
+    }
+    if (signal_number) {
+        double pixels = (double)film_pixel_count(film);
+        complain(EXIT_OK, "interrupted; `%s` has what was done, %.1f samples a pixel",
+                 rendering->picture.path, (double)rendering->stats.samples / pixels);
+    } else if (!options->quiet) {
+        print_statistics(rendering, film);
+    }
+    return interrupted;
+}
+
+// The scene is sound: builds the renderer, shows all diagnostics together, renders.
+static int render(Rendering *rendering)
+{
+    Loading *loading = &rendering->loading;
+    RenderOptions options = render_options(rendering);
+    rendering->renderer = renderer_new(&loading->scene, &options, &loading->lang.sink);
+    int code = loading_report(loading);
+    if (!rendering->renderer) {
+        return code != EXIT_OK ? code : complain(EXIT_NO_MEMORY, "not enough memory to render");
+    }
+    rendering->picture.film_params = renderer_film_params(rendering->renderer);
+    rendering->picture.render_params = renderer_params(rendering->renderer);
+    rendering->refresh_at = FIRST_REFRESH_SECONDS;
+    image_preload(); // not earlier: Embree's own loading would have to wait for it
+    bar_begin(&rendering->bar, !loading->options->quiet);
+    bool rendered = renderer_run(rendering->renderer, &rendering->stats);
+    bar_end(&rendering->bar);
+    int signal_number = rendering->stats.stopped ? atomic_load(&rendering->interrupt.signal) : 0;
+    return finish(rendering, rendered, signal_number);
+}
+
+static int prepare(Rendering *rendering)
+{
+    Loading *loading = &rendering->loading;
+    const Options *options = loading->options;
+    if (!loading_evaluate(loading)) {
+        int code = loading_report(loading);
+        return code != EXIT_OK ? code : EXIT_DIAGNOSTICS;
+    }
+    int code = options->camera ? choose_camera(&loading->scene, options->camera) : EXIT_OK;
+    if (code == EXIT_OK) {
+        code = check_pixels(loading);
+    }
+    return code == EXIT_OK ? picture_begin(&rendering->picture, loading) : code;
+}
+
+int command_render(const Options *options)
+{
+    Rendering rendering = {0};
+    int code = loading_begin(&rendering.loading, options);
+    if (code == EXIT_OK && options->dump != DUMP_NOTHING) {
+        code = dump(&rendering.loading);
+    } else if (code == EXIT_OK) {
+        code = prepare(&rendering);
+        if (code == EXIT_OK) {
+            interrupt_begin(&rendering.interrupt);
+            code = render(&rendering);
+        }
+    }
+    interrupt_end(&rendering.interrupt);
+    renderer_free(rendering.renderer);
+    loading_free(&rendering.loading);
+    return code;
+}
