@@ -1,82 +1,64 @@
 // scnrender reference: docs/reference.md, the whole manual of the language as Markdown, from the
 // tables that the program runs on.
 #include "cli/commands.h"
-#include "cli/explain.h"
 
 #include "base/diag.h"
 #include "lang/lang.h"
+#include "render/integrator.h"
 #include "render/render.h"
+#include "schema/manual.h"
 
 #include <string.h>
 
-static void print_kind(const NodeType *type)
+static void print_contents(void)
 {
-    printf("\n### `%s`\n\n%s\n", type->name, type->doc);
-    if (type->param_count > 0) {
-        puts("\n| field | takes | default | |\n|---|---|---|---|");
+    puts(
+        "# Reference of the scene language\n\n"
+        "Made by `tools/docs` from the tables that the program runs on; not to be edited. The same "
+        "text, entry by entry, is behind `scnrender explain NAME`. The grammar is in "
+        "[grammar/scn.ebnf](../grammar/scn.ebnf).\n");
+    for (int category = 0; category < CATEGORY_COUNT; ++category) {
+        const char *name = category_name((Category)category);
+        printf("- [%c%ss](#%ss)\n", name[0] - 'a' + 'A', name + 1, name);
     }
-    for (size_t i = 0; i < type->param_count; ++i) {
-        const Param *param = &type->params[i];
-        printf("| `%s` | ", param->name);
-        print_field_type(stdout, param);
-        bool required = param->flags & PARAM_REQUIRED;
-        bool code = !required && param->default_text;
-        printf(" | %s%s%s | %s |\n", code ? "`" : "",
-               required              ? "required"
-               : param->default_text ? param->default_text
-                                     : "",
-               code ? "`" : "", param->doc);
-    }
-    if (type->formula) {
-        printf("\n```text\n%s\n```\n", type->formula);
-    }
-    if (type->example) {
-        printf("\n```scn\n%s\n```\n", type->example);
-    }
+    puts("- [Integrators](#integrators)\n- [Units](#units)\n- [Functions](#functions)\n"
+         "- [Limits](#limits)\n- [Diagnostics](#diagnostics)");
 }
 
-static void print_category(const Schema *schema, Category category)
+static void print_integrators(void)
 {
-    printf("\n## Kinds: %s\n", category_name(category));
-    uint32_t fields = category_common_fields(category);
-    if (fields) {
-        printf("\nEvery %s also takes:\n\n", category_name(category));
-    }
-    for (uint32_t field = 1; field && field <= fields; field <<= 1) {
-        if (fields & field) {
-            printf("- `%s`: %s\n", common_field_name((CommonField)field),
-                   common_field_doc((CommonField)field));
-        }
-    }
-    for (size_t i = 0; i < schema->type_count; ++i) {
-        if (schema->types[i]->category == category && !schema->types[i]->internal) {
-            print_kind(schema->types[i]);
-        }
+    puts("\n## Integrators\n\nWhat finds the light along a ray, chosen by `render { integrator: "
+         "\"path\" }`.\n\n| name | |\n|---|---|");
+    for (size_t i = 0; integrator_classes[i]; ++i) {
+        printf("| `\"%s\"` | ", integrator_classes[i]->name);
+        manual_write_cell(stdout, integrator_classes[i]->doc);
+        puts(" |");
     }
 }
 
 static void print_units(void)
 {
-    puts("\n## Units\n\n| unit | dimension | in SI |\n|---|---|---|");
-    for (size_t i = 0; i < schema_unit_count; ++i) {
-        const UnitInfo *unit = &schema_units[i];
-        printf("| `%s` | %s | %.10g %s |\n", unit->name, dim_info(unit->dim)->name, unit->factor,
-               dim_info(unit->dim)->si_unit);
-    }
+    puts("\n## Units\n\nA unit stands directly behind its number: `40deg`, `2.5m`, `800lm`. A bare "
+         "number is taken in the unit that the field's table names; angles always need a unit.\n");
+    manual_write_units(stdout, MANUAL_MARKDOWN);
 }
 
 static void print_functions(void)
 {
-    puts("\n## Functions\n");
+    puts("\n## Functions\n\n| function | |\n|---|---|");
     for (size_t i = 0; i < lang_builtin_count; ++i) {
-        printf("- `%s`: %s\n", lang_builtins[i].signature, lang_builtins[i].doc);
+        fputs("| `", stdout);
+        manual_write_cell(stdout, lang_builtins[i].signature);
+        fputs("` | ", stdout);
+        manual_write_cell(stdout, lang_builtins[i].doc);
+        puts(" |");
     }
 }
 
 static void print_limits(void)
 {
-    puts("\n## Limits\n\nEach is raised with `--limit NAME=N`.\n\n| name | default | "
-         "|\n|---|---|---|");
+    puts("\n## Limits\n\nEach is raised with `--limit NAME=N`; crossing one is reported at the "
+         "place that crosses it.\n\n| name | default | of |\n|---|---|---|");
 #define LIMIT(id, value, text)                                                                     \
     printf("| `%s` | %llu | %s |\n", #id, (unsigned long long)(value), text);
     LIMITS(LIMIT)
@@ -85,13 +67,12 @@ static void print_limits(void)
 
 static void print_diagnostics(void)
 {
-    puts("\n## Diagnostics");
+    puts("\n## Diagnostics\n\nE is an error, after which there is no picture; W is a warning; N is "
+         "a note.");
     for (int code = 0; code < DIAG_CODE_COUNT; ++code) {
         const DiagInfo *info = diag_info((DiagCode)code);
         printf("\n### %s: %s\n\n%s\n", info->name, info->title, info->paragraph);
-        if (info->example && *info->example) {
-            printf("\n```scn\n%s\n```\n", info->example);
-        }
+        manual_write_code(stdout, info->example, "scn", MANUAL_MARKDOWN);
     }
 }
 
@@ -99,12 +80,11 @@ int command_reference(const Options *options)
 {
     (void)options;
     const Schema *schema = render_schema();
-    puts("# Reference of the scene language\n\n"
-         "Made by `scnrender reference` from the tables that the program runs on; not to be "
-         "edited.");
+    print_contents();
     for (int category = 0; category < CATEGORY_COUNT; ++category) {
-        print_category(schema, (Category)category);
+        manual_write_category(schema, (Category)category, stdout, MANUAL_MARKDOWN);
     }
+    print_integrators();
     print_units();
     print_functions();
     print_limits();
