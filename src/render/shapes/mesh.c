@@ -17,7 +17,10 @@ static const Param mesh_params[] = {
      .type = PARAM_FILE,
      PARAM_AT(MeshParams, file),
      .flags = PARAM_NO_DEFAULT,
-     .doc = "A file of triangles or polygons: PLY, OBJ, STL, glTF, 3DS, …"},
+     .doc = "A file of triangles or polygons: PLY, OBJ, STL, glTF, GLB, 3DS, OFF, DAE, FBX, LWO, X "
+            "or 3MF. All its parts become one mesh, in the file's own coordinates; its materials "
+            "are not read. Vertex colors are linear in glTF, and in PLY where they are "
+            "floating-point numbers; elsewhere they are sRGB-encoded."},
     {.name = "vertices",
      .type = PARAM_VEC3_LIST,
      PARAM_AT(MeshParams, vertices),
@@ -49,8 +52,9 @@ static const Param mesh_params[] = {
      PARAM_AT(MeshParams, smooth),
      .default_text = "true",
      .doc =
-         "Whether shading normals are interpolated: the given ones, or else those that follow from "
-         "the faces around each vertex. false: every face is flat."},
+         "Whether shading normals are interpolated: the given ones, or else the mean of the faces "
+         "around each vertex, except across edges where faces meet at more than 50 degrees. false: "
+         "every face is flat."},
 };
 
 static bool list_fits(NodeFinish *finish, int field, uint32_t count)
