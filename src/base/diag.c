@@ -212,7 +212,7 @@ void diag_suggest(DiagSink *sink, Diag *diag, Span at, const char *text)
         diag->fix_text = copy;
     }
     if (!diag->label) {
-        diag_label(sink, diag, "did you mean `%s`?", text);
+        diag_label(sink, diag, *text ? "did you mean `%s`?" : "remove it", text);
     }
 }
 

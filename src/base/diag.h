@@ -90,7 +90,8 @@ void diag_label(DiagSink *sink, Diag *diag, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void diag_note(DiagSink *sink, Diag *diag, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-// "did you mean `text`?" as the label (unless there is one) and as a fix that replaces span `at`.
+// "did you mean `text`?" (or "remove it", for no text) as the label unless there is one, and as a
+// fix that replaces span `at`.
 void diag_suggest(DiagSink *sink, Diag *diag, Span at, const char *text);
 void diag_frame(DiagSink *sink, Diag *diag, Span at, const char *format, ...)
     __attribute__((format(printf, 4, 5)));

@@ -298,6 +298,9 @@ static inline void name(Lexer *lexer, Token *token)
     while (at < end && char_is(*at, CHAR_LETTER | CHAR_DIGIT)) {
         ++at;
     }
+    if (at < end && (unsigned char)*at >= 0x80 && lexer_foreign_name(lexer, token)) {
+        return;
+    }
     lexer->at = at;
     size_t length = (size_t)(at - begin), room = (size_t)(end - begin);
     if (length > 16) {

@@ -34,6 +34,8 @@ Symbol lexer_intern(Lexer *lexer, const char *begin, const char *end);
 void lexer_number(Lexer *lexer, Token *token);
 void lexer_string(Lexer *lexer, Token *token);
 void lexer_color(Lexer *lexer, Token *token);
+// A name that goes on with letters beyond ASCII: reports and reads it. False where none follow.
+bool lexer_foreign_name(Lexer *lexer, Token *token);
 // A character that begins no token: reports it. False: it counts as blank.
 bool lexer_unexpected(Lexer *lexer, Token *token);
 

@@ -119,6 +119,28 @@ static const char *word_end(const char *at, const char *end)
     return at;
 }
 
+static void foreign_name(Lexer *lexer, Token *token, const char *end)
+{
+    diag_report(lexer->sink, E0114, lexer_span(lexer, lexer->at, end),
+                "a name is made of the letters a-z and A-Z, digits and `_`");
+    token->kind = TOKEN_NAME;
+    token->symbol = lexer_intern(lexer, lexer->at, end);
+    lexer->at = end;
+}
+
+bool lexer_foreign_name(Lexer *lexer, Token *token)
+{
+    const char *at = lexer->at, *end = word_end(at, lexer->end);
+    while (char_is(*at, CHAR_LETTER | CHAR_DIGIT)) {
+        ++at;
+    }
+    if (end == at) {
+        return false;
+    }
+    foreign_name(lexer, token, end);
+    return true;
+}
+
 bool lexer_unexpected(Lexer *lexer, Token *token)
 {
     const LookAlike *found = find_look_alike(lexer);
@@ -133,12 +155,10 @@ bool lexer_unexpected(Lexer *lexer, Token *token)
     const char *end = begin + utf8_decode(begin, lexer->end, &code);
     token->kind = TOKEN_ERROR;
     if (is_letter(code)) {
-        end = word_end(begin, lexer->end);
-        diag_report(lexer->sink, E0114, lexer_span(lexer, begin, end),
-                    "a name is made of the letters a-z and A-Z, digits and `_`");
-        token->kind = TOKEN_NAME;
-        token->symbol = lexer_intern(lexer, begin, end);
-    } else if (code == UTF8_INVALID) { // reported at the start
+        foreign_name(lexer, token, word_end(begin, lexer->end));
+        return true;
+    }
+    if (code == UTF8_INVALID) { // reported at the start
         while (end < lexer->end && utf8_decode(end, lexer->end, &code) && code == UTF8_INVALID) {
             ++end;
         }

@@ -432,7 +432,7 @@ static void report_needs_parentheses(Parser *p)
 {
     Diag *diag = parse_error(p, E0217, parse_token_span(p), "%s as an operand needs parentheses",
                              parse_found(p).text);
-    parse_note(p, diag, "write `(… )` around it: it reaches as far to the right as it can");
+    parse_note(p, diag, "`if`, `fn` and `not` reach as far to the right as they can");
 }
 
 // unary = "-" unary | power    not_expression = "not" not_expression | comparison

@@ -300,7 +300,12 @@ static bool misplaced_value(Parser *p, const Token *name)
     if (parse_at(p, TOKEN_ASSIGN)) {
         Diag *diag = parse_error(p, E0208, parse_span(p, name->begin, name->end),
                                  "a name is bound with `let`");
-        parse_suggest(p, diag, parse_span(p, name->begin, name->begin), "let ");
+        if (diag) {
+            int length = (int)(name->end - name->begin < 40 ? name->end - name->begin : 40);
+            diag_label(p->lexer.sink, diag, "write `let %.*s = …`", length,
+                       p->lexer.begin + name->begin);
+            diag_suggest(p->lexer.sink, diag, parse_span(p, name->begin, name->begin), "let ");
+        }
     } else if (parse_at(p, TOKEN_COLON)) {
         Diag *diag = p->lost_brace ? NULL
                                    : parse_error(p, E0222, parse_span(p, name->begin, name->end),
@@ -400,7 +405,7 @@ static AstId parse_field_value(Parser *p, const Token *name)
         int length = (int)(name->end - name->begin);
         snprintf(text, sizeof text, "%.*s", length < 40 ? length : 40,
                  p->lexer.begin + name->begin);
-        Diag *diag = parse_error(p, E0204, parse_missing_span(p),
+        Diag *diag = parse_error(p, E0204, parse_span(p, name->begin, name->end),
                                  "expected `:` after the field's name `%s`", text);
         if (diag) {
             diag_label(p->lexer.sink, diag, "write `%s: …`", text);

@@ -168,9 +168,40 @@ void parse_close(Parser *p, TokenKind close, uint32_t open)
     }
 }
 
+// Whether the current token can only begin a value, on the same line as what stands before.
+static bool begins_value(const Parser *p)
+{
+    switch (p->token.kind) {
+    case TOKEN_NAME:
+    case TOKEN_NUMBER:
+    case TOKEN_STRING:
+    case TOKEN_COLOR:
+    case TOKEN_TRUE:
+    case TOKEN_FALSE:
+        return !p->token.on_new_line;
+    default:
+        return false;
+    }
+}
+
 bool parse_more(Parser *p, TokenKind close)
 {
-    return !p->panicking && parse_accept(p, TOKEN_COMMA) && !parse_at(p, close);
+    if (p->panicking) {
+        return false;
+    }
+    if (parse_accept(p, TOKEN_COMMA)) {
+        return !parse_at(p, close);
+    }
+    if (parse_at(p, close) || !begins_value(p)) {
+        return false;
+    }
+    Span at = parse_span(p, p->previous_end, p->previous_end);
+    Diag *diag = parse_error(p, E0223, at, "expected `,` before %s", parse_found(p).text);
+    if (diag) {
+        diag_label(p->lexer.sink, diag, "a comma is missing");
+        diag_suggest(p->lexer.sink, diag, at, ",");
+    }
+    return true;
 }
 
 // Skips a bracket with all that it holds.
@@ -224,7 +255,9 @@ static bool is_resting_place(const Parser *p)
 void parse_recover(Parser *p, uint32_t before)
 {
     p->panicking = false;
-    if (p->token.begin == before && !parse_at(p, TOKEN_RIGHT_BRACE)) {
+    bool opening = parse_at(p, TOKEN_LEFT_BRACE) || parse_at(p, TOKEN_LEFT_PAREN) ||
+                   parse_at(p, TOKEN_LEFT_BRACKET);
+    if (p->token.begin == before && !opening && !parse_at(p, TOKEN_RIGHT_BRACE)) {
         parse_advance(p);
     }
     while (!is_resting_place(p)) {
