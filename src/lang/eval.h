@@ -229,8 +229,8 @@ Span item_name_span(const Module *module, AstId item);
 Symbol item_symbol(const Module *module, AstId item);
 
 // resolve.c: names to slots, kinds and fields to numbers; reports what can be known without
-// running. False when memory ran out.
-bool resolve_module(Eval *ev, Module *module);
+// running.
+void resolve_module(Eval *ev, Module *module);
 
 // eval.c
 Value eval(Eval *ev, Env *env, AstId id);
@@ -280,7 +280,7 @@ typedef struct TextBuffer {
 void text_add(Eval *ev, TextBuffer *out, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void text_add_value(Eval *ev, TextBuffer *out, Value v, bool quoted);
-// The shortest of %.15g and %.17g that gives the number back; "-0" is "0".
+// 15 digits, enough to show what was meant (0.1 + 0.2 is 0.3); whole numbers in full.
 void format_number(double number, char *buffer, size_t size);
 
 // call.c
@@ -327,10 +327,9 @@ void report_unknown_field(Eval *ev, uint32_t type, Symbol name, Span at);
 // fill.c
 // Stores a value as parameter `index` of a kind; false after a report at `where`.
 bool fill_param(Eval *ev, NodeValue *node, int index, Value v, Where where);
-bool fill_transform(Eval *ev, const NodeValue *node, Value v, Where where, Affine *out);
+bool fill_transform(Eval *ev, Value v, Where where, Affine *out);
 const char *keep_string(Eval *ev, Str text);
-// fill_number.c
-bool check_dim(Eval *ev, const NodeType *type, const Param *param, Value v, Where where);
+bool check_dim(Eval *ev, const Param *param, Value v, Where where);
 bool check_range(Eval *ev, const Param *param, const double *numbers, size_t count, uint8_t dim,
                  Where where);
 bool wrong_type(Eval *ev, const Param *param, Value v, Where where);

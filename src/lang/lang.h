@@ -2,6 +2,7 @@
 #ifndef LANG_LANG_H
 #define LANG_LANG_H
 
+#include "base/array.h"
 #include "base/diag.h"
 #include "base/io.h"
 #include "base/source.h"
@@ -51,6 +52,7 @@ typedef struct Lang {
     const ParamSetting *settings;
     size_t setting_count;
     FILE *print_to; // where print() writes; NULL: nowhere
+    ARRAY(FileBytes) files; // the texts of the sources
 } Lang;
 
 bool lang_init(Lang *lang, const Schema *schema, Sandbox *sandbox);
