@@ -186,7 +186,7 @@ bool enter_call(Eval *ev, CallFrame *frame, const Closure *closure, Span at)
         return false;
     }
     if (ev->call_depth >= ev->lang->limits.call_depth) {
-        Diag *diag = report(ev, E0701, at, "calls are nested more than %llu deep",
+        Diag *diag = report(ev, E0703, at, "calls are nested more than %llu deep",
                             (unsigned long long)ev->lang->limits.call_depth);
         diag_note(ev->sink, diag, "does a recursion not end? --limit call_depth=N allows more");
         ev->stop = true;
@@ -295,9 +295,8 @@ Value eval_call(Eval *ev, Env *env, AstId id)
 Value call_value(Eval *ev, Value function, const Value *args, uint32_t count, Span at)
 {
     if (function.type == VALUE_BUILTIN) {
-        return count_step(ev, at)
-                   ? call_builtin(ev, NULL, 0, at, function.count, args, count)
-                   : value_error();
+        return count_step(ev, at) ? call_builtin(ev, NULL, 0, at, function.count, args, count)
+                                  : value_error();
     }
     const Closure *closure = function.function;
     Parameters parameters = parameters_of(closure);

@@ -29,13 +29,13 @@ static const char *describe_node(const Eval *ev, const NodeValue *node, char *bu
 const char *describe_value(const Eval *ev, Value v, char *buffer, size_t size)
 {
     static const char *const names[] = {
-        [VALUE_UNSET] = "nothing",       [VALUE_FORCING] = "nothing",
-        [VALUE_ERROR] = "an error",      [VALUE_NOTHING] = "nothing",
-        [VALUE_BOOL] = "a bool",         [VALUE_NUMBER] = "a number",
-        [VALUE_STRING] = "a string",     [VALUE_VECTOR] = "a vector",
-        [VALUE_COLOR] = "a color",       [VALUE_LIST] = "a list",
-        [VALUE_RANGE] = "a range",       [VALUE_FUNCTION] = "a function",
-        [VALUE_BUILTIN] = "a function",  [VALUE_NODE] = "a node",
+        [VALUE_UNSET] = "nothing",         [VALUE_FORCING] = "nothing",
+        [VALUE_ERROR] = "an error",        [VALUE_NOTHING] = "nothing",
+        [VALUE_BOOL] = "a bool",           [VALUE_NUMBER] = "a number",
+        [VALUE_STRING] = "a string",       [VALUE_VECTOR] = "a vector",
+        [VALUE_COLOR] = "a color",         [VALUE_LIST] = "a list",
+        [VALUE_RANGE] = "a range",         [VALUE_FUNCTION] = "a function",
+        [VALUE_BUILTIN] = "a function",    [VALUE_NODE] = "a node",
         [VALUE_TRANSFORM] = "a transform", [VALUE_BOUNDS] = "the bounds of a shape",
     };
     if (v.type == VALUE_NODE) {

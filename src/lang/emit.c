@@ -62,8 +62,9 @@ uint32_t add_transform(Eval *ev, const Affine *transform, Span at)
         if (affine_inverse(transform, &inverse)) {
             out_of_memory(ev);
         }
-        report(ev, E0507, at, "the transforms around this can't be undone: their product is "
-                              "flat, or too large or small");
+        report(ev, E0507, at,
+               "the transforms around this can't be undone: their product is "
+               "flat, or too large or small");
         return NONE_ID;
     }
     *slot = (ConsSlot){hash, id, 1};
@@ -76,8 +77,8 @@ static Emitter nested_emitter(const Emitter *outer, const Affine *transform, uin
     Emitter inner = *outer;
     inner.material = material == NONE_ID ? outer->material : material;
     if (transform) {
-        inner.transform = outer->is_identity ? *transform
-                                             : affine_multiply(&outer->transform, transform);
+        inner.transform =
+            outer->is_identity ? *transform : affine_multiply(&outer->transform, transform);
         inner.is_identity = false;
     }
     return inner;
@@ -109,7 +110,7 @@ static bool count_object(Eval *ev, Span at)
         return false;
     }
     if (++ev->objects > ev->lang->limits.objects) {
-        Diag *diag = report(ev, E0705, at, "more than %llu objects",
+        Diag *diag = report(ev, E0707, at, "more than %llu objects",
                             (unsigned long long)ev->lang->limits.objects);
         diag_note(ev->sink, diag, "--limit objects=N raises this");
         ev->stop = true;
@@ -187,15 +188,13 @@ static void emit_light(Eval *ev, const NodeValue *node)
         }
         params = arena_alloc(ev->arena, kind->type->size);
         memcpy(params, node->params, kind->type->size);
-        memcpy((char *)params + kind->type->params[kind->shape_field].offset, &shape,
-               sizeof shape);
+        memcpy((char *)params + kind->type->params[kind->shape_field].offset, &shape, sizeof shape);
     }
-    uint32_t id = add_scene_node(
-        ev, node, params,
-        (SceneNode){.transform = transform,
-                    .material = NONE_ID,
-                    .name = add_name(ev, node->name),
-                    .at = node->at});
+    uint32_t id = add_scene_node(ev, node, params,
+                                 (SceneNode){.transform = transform,
+                                             .material = NONE_ID,
+                                             .name = add_name(ev, node->name),
+                                             .at = node->at});
     ev->scene->light_colors.items[id] = node->color;
 }
 
@@ -218,8 +217,8 @@ static void emit_setting(Eval *ev, const NodeValue *node)
         if (settings->items[i].type == node->type) {
             Span first = settings->items[i].at;
             Place place = source_place(&ev->lang->sources, first.file, first.begin);
-            Diag *diag = report(ev, E0505, node->at, "`%s` is set twice",
-                                ev->kinds[node->type].type->name);
+            Diag *diag =
+                report(ev, E0505, node->at, "`%s` is set twice", ev->kinds[node->type].type->name);
             diag_label(ev->sink, diag, "already set on line %u", place.line);
             return;
         }
@@ -241,9 +240,9 @@ static void add_part(Eval *ev, const NodeValue *node)
         record->parts = grown;
         record->part_capacity = capacity;
     }
-    record->parts[record->part_count++] = (PrototypePart){
-        node, ev->emitter->is_identity ? affine_identity() : ev->emitter->transform,
-        ev->emitter->material};
+    record->parts[record->part_count++] =
+        (PrototypePart){node, ev->emitter->is_identity ? affine_identity() : ev->emitter->transform,
+                        ev->emitter->material};
 }
 
 // The prototype of an instanced shape, made on first need. Its record and parts lie in the lowest
@@ -260,10 +259,8 @@ static const PrototypeRecord *prototype_of(Eval *ev, NodeValue *shape)
         out_of_memory(ev);
     }
     Emitter *outer = ev->emitter;
-    Emitter emitter = {.is_identity = true,
-                       .material = NONE_ID,
-                       .prototype = record->prototype,
-                       .record = record};
+    Emitter emitter = {
+        .is_identity = true, .material = NONE_ID, .prototype = record->prototype, .record = record};
     ev->emitter = &emitter;
     emit_node(ev, shape);
     ev->emitter = outer;
@@ -308,8 +305,8 @@ static void emit_instance(Eval *ev, const NodeValue *node)
         emit_scene_instance(ev, record->prototype, node);
     }
     for (uint32_t i = 0; i < record->part_count && !ev->stop; ++i) {
-        Emitter around = nested_emitter(&inner, &record->parts[i].transform,
-                                        record->parts[i].material);
+        Emitter around =
+            nested_emitter(&inner, &record->parts[i].transform, record->parts[i].material);
         ev->emitter = &around;
         emit_node(ev, record->parts[i].node);
     }
@@ -367,13 +364,15 @@ static void report_standing_alone(Eval *ev, Env *env, AstId id, Value v)
     Diag *diag = report(ev, E0503, env_span(env, id), "%s standing alone does nothing",
                         describe_value(ev, v, found, sizeof found));
     if (v.type == VALUE_LIST) {
-        diag_note(ev->sink, diag, "items of a list are emitted by a group: "
-                                  "`group { items: list }`, or by `for`");
+        diag_note(ev->sink, diag,
+                  "items of a list are emitted by a group: "
+                  "`group { items: list }`, or by `for`");
     } else if (v.type == VALUE_FUNCTION) {
         diag_label(ev->sink, diag, "to call it, write `(…)` after it");
     } else {
-        diag_note(ev->sink, diag, "only a shape, light, camera or setting stands as an item; "
-                                  "`let` names any other value");
+        diag_note(ev->sink, diag,
+                  "only a shape, light, camera or setting stands as an item; "
+                  "`let` names any other value");
     }
 }
 

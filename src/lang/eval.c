@@ -203,7 +203,7 @@ static void add_item(Eval *ev, Env *env, AstId id, ListMaker *list)
     if (is_error(v)) {
         list->failed = true;
     } else if (ev->stack.count - list->base >= ev->lang->limits.list_length) {
-        report(ev, E0704, env_span(env, id), "the list has more than %llu items",
+        report(ev, E0706, env_span(env, id), "the list has more than %llu items",
                (unsigned long long)ev->lang->limits.list_length);
         list->failed = ev->stop = true;
     } else {
@@ -296,8 +296,8 @@ Value eval_index(Eval *ev, Env *env, AstId id)
     }
     uint32_t count = v.type == VALUE_VECTOR ? v.small : v.count;
     if (!(index.number >= 0 && index.number < count)) {
-        Diag *diag = report(ev, E0504, env_span(env, node->b), "there is no item %.0f",
-                            index.number);
+        Diag *diag =
+            report(ev, E0504, env_span(env, node->b), "there is no item %.0f", index.number);
         diag_label(ev->sink, diag, count ? "the items are numbered 0 to %u" : "the list is empty",
                    count - 1);
         return fail(diag);

@@ -1,8 +1,4 @@
-        if (v.type != VALUE_BOOL) {
-            return wrong_type(ev, param, v, where);
-        }
-        *(bool *)out = v.boolean;
-        return true;// Filling the parameter struct of a kind from values, as the schema's table says.
+// Filling the parameter struct of a kind from values, as the schema's table says.
 #include "lang/eval.h"
 
 #include <stdio.h>
@@ -80,10 +76,10 @@ static bool wrong_dim(Eval *ev, const Param *param, Value v, Where where)
     describe_param(param, wanted, sizeof wanted);
     describe_value(ev, v, found, sizeof found);
     bool needs_angle = v.dim == DIM_NONE && (param->dims & DIM_BIT(DIM_ANGLE));
-    Diag *diag = report(ev, E0403, where_span(where),
-                        needs_angle ? "`%s` takes %s: an angle needs a unit"
-                                    : "`%s` takes %s, not %s",
-                        param->name, wanted, found);
+    Diag *diag =
+        report(ev, E0403, where_span(where),
+               needs_angle ? "`%s` takes %s: an angle needs a unit" : "`%s` takes %s, not %s",
+               param->name, wanted, found);
     Str text = source_text(ev, where);
     const AstNode *node = &where.module->ast.nodes.items[where.node];
     bool is_literal = node->tag == AST_NUMBER || (node->tag == AST_UNARY && text.length < 12);
@@ -146,8 +142,7 @@ bool check_range(Eval *ev, const Param *param, const double *numbers, size_t cou
         bool low = param->flags & PARAM_EXCLUDE_MIN ? number <= min : number < min;
         bool high = param->flags & PARAM_EXCLUDE_MAX ? number >= max : number > max;
         if (low || high) {
-            uint8_t unit = dim == DIM_NONE && param->dims &&
-                                   (param->dims & (param->dims - 1)) == 0
+            uint8_t unit = dim == DIM_NONE && param->dims && (param->dims & (param->dims - 1)) == 0
                                ? (uint8_t)__builtin_ctz(param->dims)
                                : dim;
             return out_of_range(ev, param, number, unit, where);
@@ -215,7 +210,7 @@ static bool unit_vector(Eval *ev, const Param *param, Where where, Vec3 *out)
 
 static bool take_whole(Eval *ev, const Param *param, Value v, Where where, int64_t *out)
 {
-    double number;
+    double number = 0;
     if (!take_number(ev, param, v, where, &number)) {
         return false;
     }
@@ -246,8 +241,8 @@ static bool take_choice(Eval *ev, const Param *param, Value v, Where where, int3
         suggest_name(given, choice, &best, &distance);
     }
     char wanted[DESCRIBE_SIZE * 2], fix[80];
-    Diag *diag = report(ev, E0407, where_span(where), "`%s` can't be \"%.60s\"", param->name,
-                        v.string);
+    Diag *diag =
+        report(ev, E0407, where_span(where), "`%s` can't be \"%.60s\"", param->name, v.string);
     if (best.length) {
         snprintf(fix, sizeof fix, "\"%s\"", best.at);
         diag_suggest(ev->sink, diag, where_span(where), fix);
@@ -386,8 +381,11 @@ static bool store(Eval *ev, NodeValue *node, const Param *param, void *out, Valu
     double numbers[3] = {0};
     switch (param->type) {
     case PARAM_BOOL:
+        if (v.type != VALUE_BOOL) {
+            return wrong_type(ev, param, v, where);
+        }
         *(bool *)out = v.boolean;
-        return v.type == VALUE_BOOL || wrong_type(ev, param, v, where);
+        return true;
     case PARAM_INT:
         return take_whole(ev, param, v, where, out);
     case PARAM_NUMBER:

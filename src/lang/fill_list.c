@@ -27,8 +27,7 @@ static bool item_fits(Eval *ev, const Param *param, Value v, ValueType type, int
     bool has_type = v.type == type && (components == 0 || v.small == components);
     uint32_t dims = param->dims ? param->dims : DIM_BIT(DIM_NONE);
     (void)ev;
-    return has_type &&
-           (type == VALUE_STRING || v.dim == DIM_NONE || (dims & DIM_BIT(v.dim)) != 0);
+    return has_type && (type == VALUE_STRING || v.dim == DIM_NONE || (dims & DIM_BIT(v.dim)) != 0);
 }
 
 static bool fill_numbers(Eval *ev, const Param *param, NumberList *out, Value v, Where where)
@@ -110,9 +109,9 @@ static bool fill_strings(Eval *ev, const Param *param, StringList *out, Value v,
 static uint32_t face_size(Value face)
 {
     bool is_vector = face.type == VALUE_VECTOR && face.dim == DIM_NONE;
-    return is_vector                                                ? face.small
+    return is_vector                                             ? face.small
            : face.type == VALUE_LIST || face.type == VALUE_RANGE ? face.count
-                                                                    : 0;
+                                                                 : 0;
 }
 
 static bool face_index(Value face, uint32_t i, uint32_t *out)
@@ -137,7 +136,7 @@ static bool fill_faces(Eval *ev, const Param *param, FaceList *out, Value v, Whe
         total += size;
     }
     if (total > UINT32_MAX) {
-        report(ev, E0704, where_span(where), "`%s` has too many indices", param->name);
+        report(ev, E0706, where_span(where), "`%s` has too many indices", param->name);
         return false;
     }
     out->count = v.count;

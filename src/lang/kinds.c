@@ -109,8 +109,8 @@ int field_index(const Eval *ev, uint32_t type, Symbol name)
 static void add_field_name(char *text, size_t size, size_t *length, const char *name)
 {
     if (*length < size) {
-        *length += (size_t)snprintf(text + *length, size - *length, "%s%s", *length ? ", " : "",
-                                    name);
+        *length +=
+            (size_t)snprintf(text + *length, size - *length, "%s%s", *length ? ", " : "", name);
     }
 }
 
@@ -140,8 +140,7 @@ void report_unknown_field(Eval *ev, uint32_t type, Symbol name, Span at)
 {
     const NodeType *kind = ev->kinds[type].type;
     Str text = symbol_name(ev->names, name);
-    Diag *diag =
-        report(ev, E0301, at, "`%s` is not a field of `%s`", text.at, kind->name);
+    Diag *diag = report(ev, E0301, at, "`%s` is not a field of `%s`", text.at, kind->name);
     const char *near = node_type_suggest_param(kind, text);
     if (near) {
         diag_suggest(ev->sink, diag, at, near);
@@ -193,8 +192,8 @@ static uint32_t defaults_source(Eval *ev, const NodeType *type)
     snprintf(shown, sizeof shown, "(defaults of %s)", type->name);
     Sources *sources = &ev->lang->sources;
     char *copy = arena_copy_string(&ev->lang->arena, text.text, text.length);
-    uint32_t file = copy ? sources_add(sources, shown, NULL, (Str){copy, text.length}, (Span){0})
-                         : 0;
+    uint32_t file =
+        copy ? sources_add(sources, shown, NULL, (Str){copy, text.length}, (Span){0}) : 0;
     if (!file) {
         out_of_memory(ev);
     }
@@ -223,8 +222,7 @@ static bool fill_defaults(Eval *ev, uint32_t number, char *params)
         }
         Value v = force_slot(ev, module->env, slot, item);
         AstId expression = module->ast.extra.items[module->ast.nodes.items[item].b + 2];
-        good = !is_error(v) && fill_param(ev, &node, index, v, (Where){module, expression}) &&
-               good;
+        good = !is_error(v) && fill_param(ev, &node, index, v, (Where){module, expression}) && good;
     }
     return good;
 }

@@ -99,8 +99,7 @@ static uint32_t read_source(Eval *ev, const char *real, const char *shown, Span 
         file_bytes_free(&bytes);
         out_of_memory(ev);
     }
-    uint32_t file =
-        sources_add(&lang->sources, shown, real, (Str){bytes.bytes, bytes.size}, at);
+    uint32_t file = sources_add(&lang->sources, shown, real, (Str){bytes.bytes, bytes.size}, at);
     if (!file) {
         out_of_memory(ev);
     }
@@ -141,7 +140,7 @@ static uint32_t import_file(Eval *ev, Module *module, AstId item)
         return loaded->number + 1;
     }
     if (ev->import_depth >= ev->lang->limits.import_depth || ev->modules.count >= UINT16_MAX - 1) {
-        Diag *diag = report(ev, E0703, path_at, "imports are nested more than %llu deep",
+        Diag *diag = report(ev, E0705, path_at, "imports are nested more than %llu deep",
                             (unsigned long long)ev->lang->limits.import_depth);
         diag_note(ev->sink, diag, "--limit import_depth=N raises this");
         return 0;
@@ -174,8 +173,8 @@ static void warn_of_items(Eval *ev, const Module *module, AstId import)
     for (uint32_t i = 0; i < ast_list_count(ast, list); ++i) {
         AstId item = ast_list_items(ast, list)[i];
         if (emits(&ast->nodes.items[item])) {
-            Place place = source_place(&ev->lang->sources, imported->file,
-                                       ast->nodes.items[item].begin);
+            Place place =
+                source_place(&ev->lang->sources, imported->file, ast->nodes.items[item].begin);
             Diag *diag = report(ev, W0601, ast_span(&module->ast, import),
                                 "the items of the imported file are left out");
             diag_note(ev->sink, diag, "an import gives names only; the first item is at %s:%u:%u",
@@ -210,8 +209,8 @@ Module *module_load_text(Eval *ev, uint32_t file, bool is_library)
     module->is_library = is_library;
     uint64_t nesting = ev->lang->limits.nesting;
     ParseLimits limits = {nesting < UINT32_MAX ? (uint32_t)nesting : UINT32_MAX};
-    module->failed = !parse(&module->ast, &ev->lang->sources, file, ev->names, limits, false,
-                            ev->sink);
+    module->failed =
+        !parse(&module->ast, &ev->lang->sources, file, ev->names, limits, false, ev->sink);
     if (module->ast.nodes.count > 1 && module->ast.root) {
         load_imports(ev, module);
         resolve_module(ev, module);

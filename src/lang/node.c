@@ -20,8 +20,7 @@ static Span finish_span(const FinishCall *call, int param)
     const Ast *ast = &call->module->ast;
     for (uint32_t i = 0; param >= 0 && i < ast_list_count(ast, call->list); ++i) {
         const AstNode *field = &ast->nodes.items[ast_list_items(ast, call->list)[i]];
-        if (field->tag == AST_FIELD &&
-            field_index(call->ev, call->type, field->a) == param + 1) {
+        if (field->tag == AST_FIELD && field_index(call->ev, call->type, field->a) == param + 1) {
             return ast_span(ast, field->b);
         }
     }
@@ -47,10 +46,9 @@ static uint32_t lend_shape(Eval *ev, NodeValue *light, const KindInfo *kind)
     if (kind->shape_field < 0 || !light->of) {
         return NONE_ID;
     }
-    uint32_t id = scene_add_node(ev->scene, light->of->type, light->of->params,
-                                 (SceneNode){.flags = NODE_LIGHT_ONLY,
-                                             .material = NONE_ID,
-                                             .at = light->of->at});
+    uint32_t id = scene_add_node(
+        ev->scene, light->of->type, light->of->params,
+        (SceneNode){.flags = NODE_LIGHT_ONLY, .material = NONE_ID, .at = light->of->at});
     if (id == NONE_ID) {
         out_of_memory(ev);
     }
@@ -113,8 +111,9 @@ static bool fill_items(Eval *ev, NodeValue *node, Value v, Where where)
 {
     char found[DESCRIBE_SIZE];
     if (v.type != VALUE_LIST) {
-        report(ev, E0401, where_span(where), "`items` takes a list of shapes, lights and cameras, "
-                                             "not %s",
+        report(ev, E0401, where_span(where),
+               "`items` takes a list of shapes, lights and cameras, "
+               "not %s",
                describe_value(ev, v, found, sizeof found));
         return false;
     }
@@ -157,8 +156,7 @@ static bool fill_common(Eval *ev, NodeValue *node, CommonField field, Value v, W
         return true;
     }
     case COMMON_MATERIAL:
-        if (v.type == VALUE_NODE &&
-            ev->kinds[v.node->type].type->category == CATEGORY_MATERIAL) {
+        if (v.type == VALUE_NODE && ev->kinds[v.node->type].type->category == CATEGORY_MATERIAL) {
             node->material = v.node;
             return true;
         }
@@ -172,8 +170,8 @@ static bool fill_common(Eval *ev, NodeValue *node, CommonField field, Value v, W
         break;
     case COMMON_COLOR:
         if (v.type == VALUE_COLOR) {
-            node->color = (Rgb){(float)v.components[0], (float)v.components[1],
-                                (float)v.components[2]};
+            node->color =
+                (Rgb){(float)v.components[0], (float)v.components[1], (float)v.components[2]};
             return true;
         }
         return wrong_type(ev, &(Param){.name = "color", .type = PARAM_COLOR}, v, where);
@@ -217,9 +215,9 @@ static bool build_items(Eval *ev, Env *env, uint32_t list, NodeValue *group, boo
         emit_node(ev, &around);
         Emitter *outer = ev->emitter;
         Emitter inner = *outer;
-        inner.material =
-            group->material ? node_scene_id(ev, (NodeValue *)(uintptr_t)group->material)
-                            : outer->material;
+        inner.material = group->material
+                             ? node_scene_id(ev, (NodeValue *)(uintptr_t)group->material)
+                             : outer->material;
         if (group->transform) {
             inner.transform = outer->is_identity
                                   ? *group->transform
@@ -251,8 +249,7 @@ static bool build_items(Eval *ev, Env *env, uint32_t list, NodeValue *group, boo
 static void begin_node(Eval *ev, NodeValue *out, uint32_t type, const char *defaults, Span at)
 {
     size_t size = ev->kinds[type].type->size;
-    *out = (NodeValue){
-        .type = (uint16_t)type, .scene_id = NONE_ID, .color = {1, 1, 1}, .at = at};
+    *out = (NodeValue){.type = (uint16_t)type, .scene_id = NONE_ID, .color = {1, 1, 1}, .at = at};
     out->params = arena_alloc(ev->arena, size);
     memcpy(out->params, defaults, size);
 }
@@ -359,11 +356,11 @@ uint32_t node_scene_id(Eval *ev, NodeValue *node)
         return node->scene_id = slot->id;
     }
     uint32_t name = scene_add_name(scene, node->name);
-    uint32_t id = name == NONE_ID ? NONE_ID
-                                  : scene_add_node(scene, node->type, node->params,
-                                                   (SceneNode){.material = NONE_ID,
-                                                               .name = name,
-                                                               .at = node->at});
+    uint32_t id =
+        name == NONE_ID
+            ? NONE_ID
+            : scene_add_node(scene, node->type, node->params,
+                             (SceneNode){.material = NONE_ID, .name = name, .at = node->at});
     if (id == NONE_ID) {
         out_of_memory(ev);
     }

@@ -10,8 +10,7 @@ Value make_vector(Eval *ev, const double *components, int count, uint8_t dim)
     for (int i = 0; i < 4; ++i) {
         copy[i] = i < count ? components[i] : 0;
     }
-    return (Value){
-        .type = VALUE_VECTOR, .dim = dim, .small = (uint16_t)count, .components = copy};
+    return (Value){.type = VALUE_VECTOR, .dim = dim, .small = (uint16_t)count, .components = copy};
 }
 
 Value make_color(Eval *ev, double r, double g, double b)
@@ -43,8 +42,8 @@ static Value wrong_operands(Eval *ev, Operator op, Value a, Value b, Span at)
     char left[DESCRIBE_SIZE], right[DESCRIBE_SIZE];
     describe_value(ev, a, left, sizeof left);
     describe_value(ev, b, right, sizeof right);
-    Diag *diag = report(ev, E0405, at, "`%s` doesn't take %s and %s", operator_text(op), left,
-                        right);
+    Diag *diag =
+        report(ev, E0405, at, "`%s` doesn't take %s and %s", operator_text(op), left, right);
     bool vectors = a.type == VALUE_VECTOR && b.type == VALUE_VECTOR;
     bool mixed = (a.type == VALUE_VECTOR && b.type == VALUE_COLOR) ||
                  (a.type == VALUE_COLOR && b.type == VALUE_VECTOR);
@@ -84,8 +83,8 @@ static Value not_finite(Eval *ev, Operator op, Value b, Span at)
     if ((op == OP_DIVIDE || op == OP_MODULO) && b.type == VALUE_NUMBER && b.number == 0) {
         return fail(report(ev, E0501, at, "division by zero"));
     }
-    return fail(report(ev, E0501, at, "the result of `%s` is not a finite number",
-                       operator_text(op)));
+    return fail(
+        report(ev, E0501, at, "the result of `%s` is not a finite number", operator_text(op)));
 }
 
 // --- Arithmetic ------------------------------------------------------------------------------
@@ -153,8 +152,8 @@ static bool takes_components(Operator op, Value a, Value b)
     bool left = a.type != VALUE_NUMBER, right = b.type != VALUE_NUMBER;
     if (left && right) {
         bool alike = a.type == b.type && (a.type == VALUE_COLOR || a.small == b.small);
-        return alike && (op == OP_ADD || op == OP_SUBTRACT ||
-                         (op == OP_MULTIPLY && a.type == VALUE_COLOR));
+        return alike &&
+               (op == OP_ADD || op == OP_SUBTRACT || (op == OP_MULTIPLY && a.type == VALUE_COLOR));
     }
     return op == OP_MULTIPLY || (op == OP_DIVIDE && left);
 }
@@ -292,9 +291,9 @@ bool values_equal(Eval *ev, Value a, Value b, Span at)
         return a.boolean == b.boolean;
     case VALUE_VECTOR:
     case VALUE_COLOR:
-        return a.small == b.small &&
-               a.components[0] == b.components[0] && a.components[1] == b.components[1] &&
-               a.components[2] == b.components[2] && a.components[3] == b.components[3];
+        return a.small == b.small && a.components[0] == b.components[0] &&
+               a.components[1] == b.components[1] && a.components[2] == b.components[2] &&
+               a.components[3] == b.components[3];
     case VALUE_TRANSFORM:
         return memcmp(a.transform, b.transform, sizeof *a.transform) == 0;
     case VALUE_NODE:
@@ -327,9 +326,8 @@ static Value ordering(Eval *ev, Operator op, Value a, Value b, Span at)
 {
     int order = compare_values(a, b);
     if (order == 2) {
-        return a.type == VALUE_NUMBER && b.type == VALUE_NUMBER
-                   ? wrong_dims(ev, op, a, b, at)
-                   : wrong_operands(ev, op, a, b, at);
+        return a.type == VALUE_NUMBER && b.type == VALUE_NUMBER ? wrong_dims(ev, op, a, b, at)
+                                                                : wrong_operands(ev, op, a, b, at);
     }
     return value_bool(op == OP_LESS         ? order < 0
                       : op == OP_LESS_EQUAL ? order <= 0
@@ -436,8 +434,8 @@ Value eval_range(Eval *ev, Env *env, AstId id)
     }
     double count = fmax(0, last - first + (node->aux ? 0 : 1));
     if (count > (double)ev->lang->limits.list_length || count > UINT32_MAX) {
-        Diag *diag = report(ev, E0704, env_span(env, id), "a range of %.0f items is too long",
-                            count);
+        Diag *diag =
+            report(ev, E0706, env_span(env, id), "a range of %.0f items is too long", count);
         diag_note(ev->sink, diag, "--limit list_length=N raises the limit of %llu",
                   (unsigned long long)ev->lang->limits.list_length);
         return value_error();

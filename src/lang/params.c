@@ -12,8 +12,7 @@ typedef struct ParamWords {
 static ParamWords param_words(const Module *module, AstId item)
 {
     const uint32_t *words = &module->ast.extra.items[module->ast.nodes.items[item].b];
-    return (ParamWords){words[2], words[3], words[4], words[5],
-                        {module->file, words[6], words[7]}};
+    return (ParamWords){words[2], words[3], words[4], words[5], {module->file, words[6], words[7]}};
 }
 
 // --- Types -----------------------------------------------------------------------------------
@@ -59,9 +58,10 @@ static const ParamKind *find_kind(Eval *ev, const ParamWords *words)
     if (best.length) {
         diag_suggest(ev->sink, diag, words->type_at, best.at);
     }
-    diag_note(ev->sink, diag, "the types are int, number, bool, string, color, vector, angle, "
-                              "length, time, temperature, power, luminous_flux, "
-                              "luminous_intensity, illuminance and luminance");
+    diag_note(ev->sink, diag,
+              "the types are int, number, bool, string, color, vector, angle, "
+              "length, time, temperature, power, luminous_flux, "
+              "luminous_intensity, illuminance and luminance");
     return NULL;
 }
 
@@ -412,9 +412,8 @@ static void json_param(Eval *ev, Env *env, uint32_t slot, AstId item, FILE *out)
         }
     }
     fputs(", \"description\": ", out);
-    json_string(out, words.description
-                         ? symbol_name(ev->names, env_node(env, words.description)->a)
-                         : (Str){"", 0});
+    json_string(out, words.description ? symbol_name(ev->names, env_node(env, words.description)->a)
+                                       : (Str){"", 0});
     fputc('}', out);
 }
 

@@ -138,8 +138,8 @@ static void resolve_global_member(Resolver *r, AstId id, Symbol space)
     Str text = symbol_name(ev->names, name);
     Span at = span_at(r, id);
     at.begin = at.end - (uint32_t)text.length;
-    Diag *diag = report(ev, E0308, at, "`%s` has no name `%s`",
-                        symbol_name(ev->names, space).at, text.at);
+    Diag *diag =
+        report(ev, E0308, at, "`%s` has no name `%s`", symbol_name(ev->names, space).at, text.at);
     suggest(r, diag, at, suggest_global(r, module, text));
 }
 
@@ -205,7 +205,7 @@ static uint32_t frame_begin(Resolver *r)
 static void frame_end(Resolver *r, AstId id, uint32_t outer)
 {
     if (r->next_slot > UINT16_MAX) {
-        report(r->ev, E0708, span_at(r, id), "more than %d names in one function or loop",
+        report(r->ev, E0710, span_at(r, id), "more than %d names in one function or loop",
                UINT16_MAX);
     }
     node_at(r, id)->aux = (uint16_t)r->next_slot;
@@ -265,8 +265,8 @@ typedef struct GivenFields {
 
 static bool give_field(GivenFields *given, int field)
 {
-    uint32_t bit = field == FIELD_ITEMS  ? 0x10000
-                   : field == FIELD_OF   ? 0x20000
+    uint32_t bit = field == FIELD_ITEMS   ? 0x10000
+                   : field == FIELD_OF    ? 0x20000
                    : field & FIELD_COMMON ? (uint32_t)field & 0xff
                                           : 0;
     uint64_t param = bit ? 0 : (uint64_t)1 << (field - 1);
@@ -330,8 +330,8 @@ static void check_kind_items(Resolver *r, const NodeType *type, const uint32_t *
         if (tag == AST_FIELD || is_declaration(tag)) {
             continue;
         }
-        Diag *diag = report(r->ev, E0311, span_at(r, items[i]),
-                            "`%s` takes fields, not items", type->name);
+        Diag *diag =
+            report(r->ev, E0311, span_at(r, items[i]), "`%s` takes fields, not items", type->name);
         diag_note(r->ev->sink, diag, "a `group { … }` takes items");
         return;
     }

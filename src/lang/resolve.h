@@ -30,10 +30,10 @@ typedef struct Resolver {
     Eval *ev;
     Module *module;
     Ast *ast;
-    uint32_t *current;      // by symbol: its innermost binding, or 0
-    Binding *bindings;      // in the arena; [0] is unused
+    uint32_t *current; // by symbol: its innermost binding, or 0
+    Binding *bindings; // in the arena; [0] is unused
     uint32_t binding_count, binding_capacity;
-    uint32_t next_slot;     // of the frame at hand
+    uint32_t next_slot; // of the frame at hand
     uint16_t frame, function;
     uint32_t scope, scope_count;
 } Resolver;

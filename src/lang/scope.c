@@ -43,7 +43,8 @@ static Span binding_span(const Resolver *r, const Binding *binding)
 static void warn_if_unused(Resolver *r, const Binding *binding)
 {
     Str name = symbol_name(r->ev->names, binding->name);
-    if (binding->used || binding->quiet || r->module->failed || (name.length && name.at[0] == '_')) {
+    if (binding->used || binding->quiet || r->module->failed ||
+        (name.length && name.at[0] == '_')) {
         return;
     }
     Diag *diag = report(r->ev, W0301, binding_span(r, binding), "%s `%s` is never used",

@@ -1,0 +1,102 @@
+// Reports with the chain of calls, limits, and the guard of the C stack.
+#include "lang/eval.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+void out_of_memory(Eval *ev)
+{
+    longjmp(ev->on_oom, 1);
+}
+
+// A recursion's chain is shown by its ends.
+enum { CHAIN_INNER = 6, CHAIN_OUTER = 2 };
+
+static void add_calls(Eval *ev, Diag *diag)
+{
+    uint32_t depth = 0, index = 0;
+    for (const CallFrame *call = ev->calls; call; call = call->outer) {
+        ++depth;
+    }
+    for (const CallFrame *call = ev->calls; call; call = call->outer, ++index) {
+        bool is_hidden = index >= CHAIN_INNER && index + CHAIN_OUTER < depth;
+        uint32_t hidden = depth - CHAIN_INNER - CHAIN_OUTER;
+        if (is_hidden && hidden > 1) {
+            if (index == CHAIN_INNER) {
+                diag_frame(ev->sink, diag, call->at, "… %u more calls …", hidden);
+            }
+        } else if (call->name) {
+            diag_frame(ev->sink, diag, call->at, "in the call of `%s`",
+                       symbol_name(ev->names, call->name).at);
+        } else {
+            diag_frame(ev->sink, diag, call->at, "in the call of a function");
+        }
+    }
+}
+
+Diag *report(Eval *ev, DiagCode code, Span at, const char *format, ...)
+{
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    uint32_t before = ev->sink->count;
+    Diag *diag = diag_report(ev->sink, code, at, "%s", text);
+    if (ev->sink->count != before) { // else it is not kept
+        add_calls(ev, diag);
+    }
+    if (ev->sink->dropped || ev->sink->out_of_memory) {
+        ev->stop = true; // enough
+    }
+    return diag;
+}
+
+void attach_calls(Eval *ev, uint32_t from)
+{
+    for (uint32_t i = from; i < ev->sink->count; ++i) {
+        if (!ev->sink->items[i].frames) {
+            add_calls(ev, &ev->sink->items[i]);
+        }
+    }
+}
+
+bool stack_is_deep(Eval *ev)
+{
+    return (uintptr_t)__builtin_frame_address(0) < ev->stack_floor;
+}
+
+bool report_deep_stack(Eval *ev, Span at)
+{
+    if (!ev->stop) {
+        Diag *diag = report(ev, E0704, at, "this is nested too deeply to be evaluated");
+        diag_note(ev->sink, diag, "calls are %u deep here", ev->call_depth);
+    }
+    ev->stop = true;
+    return false;
+}
+
+bool count_step(Eval *ev, Span at)
+{
+    if (ev->stop) {
+        return false;
+    }
+    if (++ev->steps > ev->lang->limits.steps) {
+        Diag *diag = report(ev, E0708, at, "more than %llu steps",
+                            (unsigned long long)ev->lang->limits.steps);
+        diag_note(ev->sink, diag, "--limit steps=N raises this");
+        ev->stop = true;
+        return false;
+    }
+    return true;
+}
+
+void suggest_name(Str name, Str candidate, Str *best, size_t *distance)
+{
+    size_t limit = name.length < 6 ? 1 + (name.length > 3) : name.length / 3;
+    size_t found = str_distance(name, candidate, limit);
+    if (found <= limit && found < *distance && found < candidate.length && candidate.length) {
+        *distance = found;
+        *best = candidate;
+    }
+}
