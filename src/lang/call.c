@@ -189,7 +189,7 @@ bool enter_call(Eval *ev, CallFrame *frame, const Closure *closure, Span at)
         Diag *diag = report(ev, E0703, at, "calls are nested more than %llu deep",
                             (unsigned long long)ev->lang->limits.call_depth);
         diag_note(ev->sink, diag, "does a recursion not end? --limit call_depth=N allows more");
-        ev->stop = true;
+        stop_evaluation(ev, STOP_STATEMENT);
         return false;
     }
     *frame = (CallFrame){ev->calls, at, closure_name(closure)};

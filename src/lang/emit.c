@@ -113,7 +113,7 @@ static bool count_object(Eval *ev, Span at)
         Diag *diag = report(ev, E0707, at, "more than %llu objects",
                             (unsigned long long)ev->lang->limits.objects);
         diag_note(ev->sink, diag, "--limit objects=N raises this");
-        ev->stop = true;
+        stop_evaluation(ev, STOP_RUN);
         return false;
     }
     return true;

@@ -205,7 +205,8 @@ static void add_item(Eval *ev, Env *env, AstId id, ListMaker *list)
     } else if (ev->stack.count - list->base >= ev->lang->limits.list_length) {
         report(ev, E0706, env_span(env, id), "the list has more than %llu items",
                (unsigned long long)ev->lang->limits.list_length);
-        list->failed = ev->stop = true;
+        list->failed = true;
+        stop_evaluation(ev, STOP_STATEMENT);
     } else {
         push_value(ev, v);
     }

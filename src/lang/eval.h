@@ -136,6 +136,9 @@ typedef struct ForceFrame { // lets being evaluated, for the diagnostic of a cyc
 
 enum { REGION_COUNT = 64, CONS_SLOTS = 4096, STACK_BYTES = 256 << 20 };
 
+// A limit was crossed: only unwind, out of the statement or out of the run.
+typedef enum Stop { STOP_NOT, STOP_STATEMENT, STOP_RUN } Stop;
+
 typedef struct ConsSlot {
     uint64_t hash;
     uint32_t id;
@@ -152,7 +155,7 @@ struct Eval {
     Arena *arena; // regions[region]
     Arena regions[REGION_COUNT];
     uint32_t region;
-    bool stop; // too many errors, or a limit was crossed: only unwind
+    Stop stop;
     uint64_t serial, oldest_forced;
     uintptr_t stack_floor;
     uint64_t steps, objects;
@@ -214,6 +217,10 @@ static inline Value fail(Diag *diag)
 // False, after a report at `at`, when the C stack is nearly used up.
 bool stack_is_deep(Eval *ev);
 bool report_deep_stack(Eval *ev, Span at);
+// Stops; what was begun becomes an error, silently.
+void stop_evaluation(Eval *ev, Stop stop);
+// After a statement: goes on with the next, unless the run is over.
+bool go_on(Eval *ev);
 // Counts a call or an iteration; false when the limit is crossed or the run is to stop.
 bool count_step(Eval *ev, Span at);
 // "did you mean": the nearest of the names to `name`, kept in *best with its distance in

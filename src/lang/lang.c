@@ -143,7 +143,7 @@ static AstTag global_tag(const Module *module, uint32_t slot)
 // All lets (or params) of a file, so that each error is found, whatever is used.
 static void force_globals(Eval *ev, Module *module, AstTag tag)
 {
-    for (uint32_t slot = 0; slot < module->globals.count && !ev->stop; ++slot) {
+    for (uint32_t slot = 0; slot < module->globals.count && go_on(ev); ++slot) {
         if (global_tag(module, slot) == tag) {
             force_slot(ev, module->env, slot, module->globals.items[slot].item);
         }
@@ -157,7 +157,7 @@ static void emit_file(Eval *ev, Module *module)
     const Ast *ast = &module->ast;
     uint32_t list = ast->nodes.items[ast->root].a;
     uint32_t count = ast_list_count(ast, list);
-    for (uint32_t i = 0; i < count && !ev->stop; ++i) {
+    for (uint32_t i = 0; i < count && go_on(ev); ++i) {
         RegionMark region = region_enter(ev);
         run_items(ev, module->env, ast_list_items(ast, list) + i, 1);
         region_leave(ev, region);

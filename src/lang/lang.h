@@ -51,7 +51,7 @@ typedef struct Lang {
     Limits limits;
     const ParamSetting *settings;
     size_t setting_count;
-    FILE *print_to; // where print() writes; NULL: nowhere
+    FILE *print_to;         // where print() writes; NULL: nowhere
     ARRAY(FileBytes) files; // the texts of the sources
 } Lang;
 

@@ -281,11 +281,11 @@ static void resolve_field(Resolver *r, AstId id, uint32_t kind, GivenFields *giv
     AstNode *node = node_at(r, id);
     Symbol name = node->a;
     AstId value = node->b;
-    int field = kind ? field_index(r->ev, kind - 1, name) : FIELD_BAD;
+    int field = kind && name ? field_index(r->ev, kind - 1, name) : FIELD_BAD;
     node->aux = (uint16_t)field;
-    if (kind && field == FIELD_BAD) {
+    if (kind && name && field == FIELD_BAD) {
         report_unknown_field(r->ev, kind - 1, name, name_span(r, id, name));
-    } else if (kind && !give_field(given, field)) {
+    } else if (field != FIELD_BAD && !give_field(given, field)) {
         Diag *diag = report(r->ev, E0306, name_span(r, id, name), "`%s` is given twice",
                             symbol_name(r->ev->names, name).at);
         diag_label(r->ev->sink, diag, "the second time");
@@ -340,6 +340,9 @@ static void check_kind_items(Resolver *r, const NodeType *type, const uint32_t *
 static uint32_t find_kind(Resolver *r, AstId id)
 {
     Symbol name = node_at(r, id)->a;
+    if (!name) {
+        return 0; // the parser has reported it
+    }
     uint32_t kind = name < r->ev->symbol_count ? r->ev->symbols[name].kind : 0;
     if (!kind) {
         Str text = symbol_name(r->ev->names, name);
@@ -386,7 +389,9 @@ static void resolve_kind(Resolver *r, AstId id)
     uint64_t missing = info->required & ~given.params;
     bool of_is_missing = info->type->role == ROLE_INSTANCE && !(given.others & 0x20000);
     if (missing || of_is_missing) {
-        report_missing(r, id, info, missing, of_is_missing);
+        if (!r->module->failed) { // else it may be what could not be parsed
+            report_missing(r, id, info, missing, of_is_missing);
+        }
         node_at(r, id)->aux = 0; // not to be made
     }
 }
@@ -574,7 +579,7 @@ static void index_globals(Resolver *r)
 
 void resolve_module(Eval *ev, Module *module)
 {
-    Resolver r = {.ev = ev, .module = module, .ast = &module->ast};
+    Resolver r = {.ev = ev, .module = module, .ast = &module->ast, .binding_count = 1};
     size_t size = ((size_t)ev->names->count + 1) * sizeof *r.current;
     r.current = arena_alloc_zeroed(ev->arena, size);
     resolve_block(&r, node_at(&r, module->ast.root)->a);

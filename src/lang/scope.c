@@ -100,12 +100,11 @@ static void push_binding(Resolver *r, Binding binding)
     if (r->binding_count + 1 >= r->binding_capacity) {
         uint32_t capacity = r->binding_capacity ? r->binding_capacity * 2 : 64;
         Binding *grown = arena_array(r->ev->arena, capacity, sizeof *grown);
-        if (r->binding_count) {
+        if (r->bindings) {
             memcpy(grown, r->bindings, r->binding_count * sizeof *grown);
         }
         r->bindings = grown;
         r->binding_capacity = capacity;
-        r->binding_count += r->binding_count == 0;
     }
     r->bindings[r->binding_count++] = binding;
 }

@@ -47,7 +47,7 @@ Diag *report(Eval *ev, DiagCode code, Span at, const char *format, ...)
         add_calls(ev, diag);
     }
     if (ev->sink->dropped || ev->sink->out_of_memory) {
-        ev->stop = true; // enough
+        stop_evaluation(ev, STOP_RUN); // enough
     }
     return diag;
 }
@@ -72,7 +72,7 @@ bool report_deep_stack(Eval *ev, Span at)
         Diag *diag = report(ev, E0704, at, "this is nested too deeply to be evaluated");
         diag_note(ev->sink, diag, "calls are %u deep here", ev->call_depth);
     }
-    ev->stop = true;
+    stop_evaluation(ev, STOP_STATEMENT);
     return false;
 }
 
@@ -85,7 +85,7 @@ bool count_step(Eval *ev, Span at)
         Diag *diag = report(ev, E0708, at, "more than %llu steps",
                             (unsigned long long)ev->lang->limits.steps);
         diag_note(ev->sink, diag, "--limit steps=N raises this");
-        ev->stop = true;
+        stop_evaluation(ev, STOP_RUN);
         return false;
     }
     return true;
@@ -99,4 +99,15 @@ void suggest_name(Str name, Str candidate, Str *best, size_t *distance)
         *distance = found;
         *best = candidate;
     }
+}
+
+void stop_evaluation(Eval *ev, Stop stop)
+{
+    ev->stop = stop > ev->stop ? stop : ev->stop;
+}
+
+bool go_on(Eval *ev)
+{
+    ev->stop = ev->stop == STOP_RUN ? STOP_RUN : STOP_NOT;
+    return ev->stop == STOP_NOT;
 }
