@@ -14,6 +14,8 @@
 #include "scene_maker.h"
 #include "statistics.h"
 
+#include <time.h>
+
 enum { REPLICATES = 32, MAX_CHECKS = 128 };
 static const double ALPHA = 1e-3;
 
@@ -71,12 +73,14 @@ static inline Running estimate(const World *world, RayMaker *ray, const void *co
 typedef struct Check {
     char name[64];
     double expected, mean, error, freedom;
-    double wanted; // largest relative bias that may go unfound
+    double wanted;  // largest relative bias that may go unfound
+    double seconds; // of CPU time since the check before
 } Check;
 
 typedef struct CheckTable {
     Check checks[MAX_CHECKS];
     int count;
+    clock_t last;
 } CheckTable;
 
 static inline void check_add(CheckTable *table, Check check)
@@ -84,13 +88,16 @@ static inline void check_add(CheckTable *table, Check check)
     if (table->count == MAX_CHECKS) {
         abort();
     }
+    clock_t now = clock();
+    check.seconds = (double)(now - table->last) / CLOCKS_PER_SEC;
+    table->last = now;
     table->checks[table->count++] = check;
 }
 
 static inline void check_mean(CheckTable *table, const char *name, double expected, Running mean,
                               double wanted)
 {
-    Check check = {"", expected, mean.mean, running_error(&mean), REPLICATES - 1, wanted};
+    Check check = {"", expected, mean.mean, running_error(&mean), REPLICATES - 1, wanted, 0};
     snprintf(check.name, sizeof check.name, "%s", name);
     check_add(table, check);
 }
@@ -101,7 +108,7 @@ static inline void check_equal(CheckTable *table, const char *name, Running a, R
                                double wanted)
 {
     double error = hypot(running_error(&a), running_error(&b));
-    Check check = {"", a.mean, b.mean, error, REPLICATES - 1, wanted};
+    Check check = {"", a.mean, b.mean, error, REPLICATES - 1, wanted, 0};
     snprintf(check.name, sizeof check.name, "%s", name);
     check_add(table, check);
 }
@@ -112,8 +119,8 @@ static inline int check_judge(const CheckTable *table)
     double level = sidak(ALPHA, table->count);
     int failures = 0;
     printf("%d checks, family-wise alpha %g\n", table->count, ALPHA);
-    printf("%-44s %13s %13s %10s %7s %11s\n", "check", "expected", "mean", "std.error", "z",
-           "bias found");
+    printf("%-44s %13s %13s %10s %7s %11s %6s\n", "check", "expected", "mean", "std.error", "z",
+           "bias found", "cpu s");
     for (int i = 0; i < table->count; ++i) {
         const Check *c = &table->checks[i];
         double critical = student_quantile(level, c->freedom);
@@ -124,8 +131,9 @@ static inline int check_judge(const CheckTable *table)
         double found = (critical + power) * error / fabs(c->expected);
         bool wrong = !(fabs(z) <= critical), weak = !(found <= c->wanted);
         failures += wrong || weak;
-        printf("%-44s %13.9g %13.9g %10.2g %7.2f %10.4f%%%s%s\n", c->name, c->expected, c->mean,
-               c->error, z, 100 * found, wrong ? "  WRONG" : "", weak ? "  TOO WEAK" : "");
+        printf("%-44s %13.9g %13.9g %10.2g %7.2f %10.4f%% %6.2f%s%s\n", c->name, c->expected,
+               c->mean, c->error, z, 100 * found, c->seconds, wrong ? "  WRONG" : "",
+               weak ? "  TOO WEAK" : "");
     }
     return failures;
 }

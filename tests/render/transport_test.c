@@ -28,6 +28,7 @@ static World *build(Lab *lab, int64_t bounces)
         abort();
     }
     lab->world->bounces = bounces;
+    lab->world->russian_roulette = false; // the one source of noise in many of these scenes
     return lab->world;
 }
 
@@ -96,8 +97,9 @@ static double wall_meter(const void *context, const float n[4], Ray *ray)
 
 // --- Checks -------------------------------------------------------------------------------------
 
-// 1. In a closed room that emits Le and reflects ρ everywhere, L = Le / (1 - ρ).
-static void furnace(const char *shape, double albedo, double first, double all)
+// 1. In a closed room that emits Le and reflects ρ everywhere, L = Le / (1 - ρ). What is lost
+// beyond 100 scatterings is 2e-10.
+static void furnace(const char *shape, double albedo, double first, double all, uint32_t samples)
 {
     char name[64];
     Lab lab;
@@ -111,9 +113,27 @@ static void furnace(const char *shape, double albedo, double first, double all)
     PUT(&lab.maker, "area_light", {"shape", {room}}, {"radiance", {1}}, {"two_sided", {1}});
     Vec3 from = vec3(0.3, 0.2, -0.4);
     snprintf(name, sizeof name, "1 furnace, %s, albedo %g", shape, albedo);
-    check_mean(&table, name, all, estimate(build(&lab, 1000), all_around, &from, 1 << 13, 1), 1e-3);
+    int64_t bounces = albedo > 0.5 ? 100 : 30;
+    check_mean(&table, name, all, estimate(build(&lab, bounces), all_around, &from, samples, 1),
+               2e-3);
     snprintf(name, sizeof name, "1 furnace, %s, albedo %g, direct light", shape, albedo);
-    check_mean(&table, name, first, estimate(build(&lab, 1), all_around, &from, 1 << 12, 2), 1e-3);
+    check_mean(&table, name, first, estimate(build(&lab, 1), all_around, &from, 2 * samples, 2),
+               2e-3);
+    close_lab(&lab);
+}
+
+// The same with paths ended by roulette: noisy, but right.
+static void furnace_with_roulette(void)
+{
+    Lab lab;
+    open_lab(&lab);
+    uint32_t white = PUT(&lab.maker, "lambert", {"color", {0.5}});
+    uint32_t room = PUT_LIGHT_SHAPE(&lab.maker, "sphere", {"radius", {2}}, {"material", {white}});
+    PUT(&lab.maker, "area_light", {"shape", {room}}, {"radiance", {1}}, {"two_sided", {1}});
+    Vec3 from = vec3(0.3, 0.2, -0.4);
+    build(&lab, 1000)->russian_roulette = true;
+    check_mean(&table, "1 furnace, sphere, with roulette", 2,
+               estimate(lab.world, all_around, &from, 1 << 16, 7), 1.2e-3);
     close_lab(&lab);
 }
 
@@ -140,8 +160,8 @@ static void lit_sphere(void)
             }
         }
         Vec3 from = vec3(0.1, -0.5, 0.2);
-        check_mean(&table, NAMES[kind], 1,
-                   estimate(build(&lab, 1000), all_around, &from, 1 << 12, 3), 1e-3);
+        check_mean(&table, NAMES[kind], 1, estimate(build(&lab, 40), all_around, &from, 1 << 6, 3),
+                   1e-3);
         close_lab(&lab);
     }
 }
@@ -156,14 +176,14 @@ static void closed_room(void)
     PUT(&lab.maker, "point_light", {"position", {0.5, 1, -0.7}},
         {"power", {10000}, .dim = DIM_LUMINOUS_FLUX});
     Meter walls = {.size = 4, .albedo = 0.5};
-    Running lux = estimate(build(&lab, 1000), wall_meter, &walls, 1 << 14, 4);
-    Running direct = estimate(build(&lab, 1), wall_meter, &walls, 1 << 14, 5);
+    Running lux = estimate(build(&lab, 24), wall_meter, &walls, 1 << 13, 4);
+    Running direct = estimate(build(&lab, 1), wall_meter, &walls, 1 << 13, 5);
     lux.mean *= 683;
     lux.square *= 683.0 * 683;
     direct.mean *= 683;
     direct.square *= 683.0 * 683;
-    check_mean(&table, "3 closed room, lux", 10000 / (96 * 0.5), lux, 1e-3);
-    check_mean(&table, "3 closed room, lux of direct light", 10000.0 / 96, direct, 1e-3);
+    check_mean(&table, "3 closed room, lux", 10000 / (96 * 0.5), lux, 6e-3);
+    check_mean(&table, "3 closed room, lux of direct light", 10000.0 / 96, direct, 2e-3);
     close_lab(&lab);
 }
 
@@ -180,7 +200,7 @@ static void white_in_white(void)
     PUT(&lab.maker, "environment_light", {"radiance", {1}});
     Ray ray = {.origin = {0, 0.3, 6}, .direction = {0.75, -0.25, -6}};
     check_mean(&table, "5 white Lambert in uniform surroundings", 1,
-               estimate(build(&lab, 10000), single_ray, &ray, 1 << 13, 6), 1e-3);
+               estimate(build(&lab, 10000), single_ray, &ray, 1 << 15, 6), 1e-3);
     close_lab(&lab);
 }
 
@@ -191,36 +211,35 @@ static void sampling_strategies(void)
     open_lab(&lab);
     SceneMaker *m = &lab.maker;
     uint32_t white = PUT(m, "lambert", {"color", {0.8}}), red = PUT(m, "lambert", {"color", {0.6}});
-    uint32_t checker = PUT(m, "checker", {"a", {8}}, {"b", {2}}, {"scale", {2, 2, 0}});
+    uint32_t checker = PUT(m, "checker", {"a", {6}}, {"b", {3}}, {"scale", {2, 2, 0}});
     uint32_t glow = PUT(m, "emissive", {"radiance", {checker}, .texture = true}, {"base", {white}});
     PUT(m, "rectangle", {"corner", {-2, -2, -2}}, {"u", {0, 0, 4}}, {"v", {4, 0, 0}},
         {"material", {white}});
     PUT(m, "rectangle", {"corner", {-2, -2, -2}}, {"u", {4, 0, 0}}, {"v", {0, 4, 0}},
         {"material", {red}});
-    PUT(m, "rectangle", {"corner", {-1, 1.9, -1}}, {"u", {1.5, 0, 0}}, {"v", {0, 0, 1.5}},
+    PUT(m, "rectangle", {"corner", {-1.9, 1.9, -1.9}}, {"u", {3, 0, 0}}, {"v", {0, 0, 3}},
         {"material", {glow}});
     PUT(m, "sphere", {"center", {0.5, -1, 0}}, {"radius", {1}}, {"material", {red}});
     PUT(m, "sphere", {"center", {-1.2, -1.5, 0.8}}, {"radius", {0.5}}, {"material", {glow}});
-    uint32_t sky = PUT(m, "checker", {"a", {0.5}}, {"b", {0.1}}, {"scale", {6, 3, 0}});
+    uint32_t sky = PUT(m, "checker", {"a", {1.5}}, {"b", {0.5}}, {"scale", {6, 3, 0}});
     PUT(m, "environment_light", {"radiance", {sky}, .texture = true});
     Ray ray = {.origin = {0, 0, 6}, .direction = {-0.1, -1.9, -5}};
     static const char *const NAMES[] = {"", "7 light sampling = mis", "7 BSDF sampling = mis"};
     Running mis = {0};
     for (int sampling = 0; sampling < 3; ++sampling) {
-        build(&lab, 4)->sampling = sampling;
-        Running mean = estimate(lab.world, single_ray, &ray, 1u << (sampling ? 17 : 15),
+        build(&lab, 3)->sampling = sampling;
+        Running mean = estimate(lab.world, single_ray, &ray, 1u << (sampling ? 16 : 15),
                                 10 + (uint32_t)sampling);
         if (sampling == SAMPLING_MIS) {
             mis = mean;
         } else {
-            check_equal(&table, NAMES[sampling], mis, mean, 2e-3);
+            check_equal(&table, NAMES[sampling], mis, mean, 5e-3);
         }
     }
-    build(&lab, 8)->russian_roulette = false;
-    Running off = estimate(lab.world, single_ray, &ray, 1 << 15, 20);
-    build(&lab, 8);
+    Running off = estimate(build(&lab, 8), single_ray, &ray, 1 << 15, 20);
+    build(&lab, 8)->russian_roulette = true;
     Running on = estimate(lab.world, single_ray, &ray, 1 << 15, 21);
-    check_equal(&table, "7 roulette on = off", off, on, 2e-3);
+    check_equal(&table, "7 roulette on = off", off, on, 5e-3);
     close_lab(&lab);
 }
 
@@ -254,15 +273,16 @@ static int point_light(void)
 // The irradiance at a point of the plane y = 0 under lights that `lab` holds, by each way of
 // sampling.
 static void irradiance_checks(Lab *lab, const char *what, Meter at, double expected,
-                              uint32_t samples)
+                              uint32_t samples, uint32_t bsdf_samples)
 {
     static const char *const WAYS[] = {"mis", "light", "bsdf"};
-    for (int sampling = 0; sampling < 3; ++sampling) {
+    for (int sampling = 0; sampling < (bsdf_samples ? 3 : 2); ++sampling) {
+        uint32_t count = sampling == SAMPLING_BSDF ? bsdf_samples : samples;
         char name[64];
         snprintf(name, sizeof name, "%s, %s", what, WAYS[sampling]);
         build(lab, 1)->sampling = sampling;
         check_mean(&table, name, expected,
-                   estimate(lab->world, meter, &at, samples, 30 + (uint32_t)sampling), 1e-3);
+                   estimate(lab->world, meter, &at, count, 30 + (uint32_t)sampling), 2e-3);
     }
 }
 
@@ -282,9 +302,11 @@ static void area_lights(void)
                                      {"u", {1, 0, 0}}, {"v", {0, 0, 1}});
     PUT(&lab.maker, "area_light", {"shape", {shape}}, {"radiance", {1}});
     Meter at = {.albedo = 0.5};
-    irradiance_checks(&lab, "10 square light", at, 0.752275, 1 << 14);
+    // Four times a rectangle seen from below its corner: the formula of configuration factors.
+    double x = 0.5 / sqrt(1.25), square = 4 * x * atan(x);
+    irradiance_checks(&lab, "10 square light", at, square, 1 << 12, 1 << 15);
     at.size = 1;
-    irradiance_checks(&lab, "12 parallel squares", at, PI * 0.199824896, 1 << 14);
+    irradiance_checks(&lab, "12 parallel squares", at, PI * 0.199824896, 1 << 14, 0);
     close_lab(&lab);
 
     static const double FACTORS[] = {0.5, 0.2763932, 0.0527864};
@@ -296,7 +318,7 @@ static void area_lights(void)
                                 {"radius", {1}});
         PUT(&lab.maker, "area_light", {"shape", {shape}}, {"radiance", {1}});
         snprintf(name, sizeof name, "10 disc light, x = %d", i);
-        irradiance_checks(&lab, name, (Meter){.albedo = 0.5}, PI * FACTORS[i], 1 << 14);
+        irradiance_checks(&lab, name, (Meter){.albedo = 0.5}, PI * FACTORS[i], 1 << 12, 1 << 16);
         close_lab(&lab);
     }
 
@@ -305,7 +327,7 @@ static void area_lights(void)
     shape = PUT_LIGHT_SHAPE(&lab.maker, "sphere", {"center", {2, 3, 0}}, {"radius", {1}});
     PUT(&lab.maker, "area_light", {"shape", {shape}}, {"radiance", {1}});
     irradiance_checks(&lab, "11 sphere light", (Meter){.albedo = 0.5}, PI / 13 * 3 / sqrt(13),
-                      1 << 15);
+                      1 << 12, 1 << 16);
     close_lab(&lab);
 }
 
@@ -388,7 +410,7 @@ static void primitive_and_mesh(void)
                 shape = PUT_LIGHT_SHAPE(m, "sphere", {"center", {1, 2, 0}}, {"radius", {1}});
                 break;
             default:
-                shape = put_sphere_mesh(m, vec3(1, 2, 0), 256);
+                shape = put_sphere_mesh(m, vec3(1, 2, 0), 400);
                 break;
             }
             PUT(m, "area_light", {"shape", {shape}}, {"radiance", {1}});
@@ -418,7 +440,7 @@ static void textured_lights(void)
         double mean = even ? (3 * 3 + 2 * 0.25) / 5 : (3 * 0.25 + 2 * 3) / 5;
         sky += mean * cos(theta) * sin(theta) * 2 * PI * (PI / 2 / STEPS);
     }
-    irradiance_checks(&lab, "textured sky", (Meter){.albedo = 0.5}, sky, 1 << 15);
+    irradiance_checks(&lab, "textured sky", (Meter){.albedo = 0.5}, sky, 1 << 15, 1 << 14);
     close_lab(&lab);
 
     open_lab(&lab);
@@ -435,7 +457,7 @@ static void textured_lights(void)
         bool even = ((int)(3 * u) + (int)(2 * v)) % 2 == 0;
         sum += (even ? 3 : 0.25) / (r2 * r2) * 2 / ((double)PARTS * PARTS);
     }
-    irradiance_checks(&lab, "textured square", (Meter){.albedo = 0.5}, sum, 1 << 15);
+    irradiance_checks(&lab, "textured square", (Meter){.albedo = 0.5}, sum, 1 << 13, 1 << 15);
     close_lab(&lab);
 }
 
@@ -456,7 +478,7 @@ static void many_lights(void)
     }
     Meter at = {.albedo = 0.5};
     check_mean(&table, "100 point lights", expected,
-               estimate(build(&lab, 1), meter, &at, 1 << 15, 50), 2e-3);
+               estimate(build(&lab, 1), meter, &at, 1 << 14, 50), 2e-3);
     close_lab(&lab);
 
     open_lab(&lab);
@@ -467,7 +489,7 @@ static void many_lights(void)
     expected = 0;
     for (int i = 0; i < 5; ++i) {
         Affine grow = affine_scaling(vec3(1 + 0.1 * i, 1 + 0.1 * i, 1 + 0.1 * i));
-        Affine move = affine_translation(vec3(1.5 * i - 3, 1 + 0.2 * i, 0.3));
+        Affine move = affine_translation(vec3(3.0 * i - 6, 1 + 0.2 * i, 0.3));
         Affine both = affine_multiply(&move, &grow);
         SceneInstance instance = {.prototype = lab.maker.prototype,
                                   .transform = scene_add_transform(&lab.maker.scene, &both),
@@ -480,7 +502,7 @@ static void many_lights(void)
         expected += 2 * PI * r * r * p.y / pow(length_squared(p), 1.5);
     }
     // None hides another from the origin.
-    irradiance_checks(&lab, "glowing instances", at, expected, 1 << 16);
+    irradiance_checks(&lab, "glowing instances", at, expected, 1 << 14, 1 << 16);
     close_lab(&lab);
 }
 
@@ -510,9 +532,10 @@ static int constant_sky(void)
 
 int main(void)
 {
-    furnace("sphere", 0.5, 1.5, 2);
-    furnace("sphere", 0.8, 1.8, 5);
-    furnace("box", 0.5, 1.5, 2);
+    furnace("sphere", 0.5, 1.5, 2, 1 << 6);
+    furnace("sphere", 0.8, 1.8, 5, 1 << 6);
+    furnace("box", 0.5, 1.5, 2, 1 << 13);
+    furnace_with_roulette();
     lit_sphere();
     closed_room();
     white_in_white();
