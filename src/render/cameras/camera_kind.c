@@ -137,7 +137,7 @@ static bool finish_view(NodeFinish *finish, CameraParams *c)
 static void warn_unused(NodeFinish *finish, int param, const CameraParams *c)
 {
     if (is_set(finish, param)) {
-        finish->report(finish, param, W0920, "`%s` has no effect in a camera of projection `%s`",
+        finish->report(finish, param, W0920, "`%s` has no effect with projection \"%s\"",
                        camera_params[param].name, projections[c->projection]);
     }
 }
