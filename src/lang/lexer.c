@@ -225,6 +225,11 @@ static inline bool skip_blanks(Lexer *lexer)
 {
     bool new_line = lexer->at == lexer->begin;
     const char *at = lexer->at, *end = lexer->end;
+    at += at < end && *at == ' ';
+    if (at < end && *at > '/') { // nothing or one blank, then a name, a number, most marks
+        lexer->at = at;
+        return new_line;
+    }
     for (;;) {
         while (at < end && char_is(*at, CHAR_BLANK)) {
             new_line |= *at++ == '\n';
@@ -350,6 +355,15 @@ static void with_equals(Lexer *lexer, Token *token, TokenKind alone, TokenKind w
     mark(lexer, token, two ? with : alone, two ? 2 : 1);
 }
 
+// Marks that no longer mark begins with.
+static const uint8_t marks[256] = {
+    ['{'] = TOKEN_LEFT_BRACE,  ['}'] = TOKEN_RIGHT_BRACE,  ['('] = TOKEN_LEFT_PAREN,
+    [')'] = TOKEN_RIGHT_PAREN, ['['] = TOKEN_LEFT_BRACKET, [']'] = TOKEN_RIGHT_BRACKET,
+    [':'] = TOKEN_COLON,       [','] = TOKEN_COMMA,        ['+'] = TOKEN_PLUS,
+    ['-'] = TOKEN_MINUS,       ['/'] = TOKEN_SLASH,        ['%'] = TOKEN_PERCENT,
+    ['^'] = TOKEN_CARET,
+};
+
 // Reads the token at lexer->at. False where there was none after all, only a reported character.
 static inline bool read_token(Lexer *lexer, Token *token)
 {
@@ -362,25 +376,11 @@ static inline bool read_token(Lexer *lexer, Token *token)
         lexer_number(lexer, token);
         return true;
     }
-    switch (c) {
-#define ONE(c, kind)                                                                               \
-    case c:                                                                                        \
-        mark(lexer, token, kind, 1);                                                               \
+    if (marks[(unsigned char)c]) {
+        mark(lexer, token, (TokenKind)marks[(unsigned char)c], 1);
         return true;
-        ONE('{', TOKEN_LEFT_BRACE)
-        ONE('}', TOKEN_RIGHT_BRACE)
-        ONE('(', TOKEN_LEFT_PAREN)
-        ONE(')', TOKEN_RIGHT_PAREN)
-        ONE('[', TOKEN_LEFT_BRACKET)
-        ONE(']', TOKEN_RIGHT_BRACKET)
-        ONE(':', TOKEN_COLON)
-        ONE(',', TOKEN_COMMA)
-        ONE('+', TOKEN_PLUS)
-        ONE('-', TOKEN_MINUS)
-        ONE('/', TOKEN_SLASH)
-        ONE('%', TOKEN_PERCENT)
-        ONE('^', TOKEN_CARET)
-#undef ONE
+    }
+    switch (c) {
     case '"':
         lexer_string(lexer, token);
         return true;

@@ -534,12 +534,41 @@ static AstId parse_any_expression(Parser *p)
     return assigned ? parse_assignment(p, value, begin) : value;
 }
 
+// Whether a token goes on with the expression before it.
+static inline bool goes_on(uint8_t kind)
+{
+    return binaries[kind].power || kind == TOKEN_DOT || kind == TOKEN_LEFT_PAREN ||
+           kind == TOKEN_LEFT_BRACKET || kind == TOKEN_WITH || kind == TOKEN_ASSIGN;
+}
+
+// The rest of an expression behind its first primary.
+static AstId parse_rest(Parser *p, AstId value, uint32_t begin)
+{
+    if (!goes_on(p->token.kind)) {
+        return value;
+    }
+    value = parse_suffixes(p, value, begin);
+    value = parse_operators(p, value, begin, POWER_OR);
+    bool assigned = parse_at(p, TOKEN_ASSIGN) && !p->token.on_new_line && !p->panicking;
+    return assigned ? parse_assignment(p, value, begin) : value;
+}
+
 AstId parse_expression(Parser *p)
 {
     if (p->panicking) {
         return 0;
     }
-    AstId value = parse_enter(p) ? parse_any_expression(p) : 0;
+    AstId value = 0;
+    if (parse_enter(p)) {
+        if (parse_at(p, TOKEN_NUMBER)) { // the common case, on a short way
+            uint32_t begin = p->token.begin;
+            p->height = 1;
+            value = parse_number(p);
+            value = parse_rest(p, value, begin);
+        } else {
+            value = parse_any_expression(p);
+        }
+    }
     parse_leave(p);
     return value;
 }
@@ -548,11 +577,7 @@ AstId parse_expression_from(Parser *p, const Token *name)
 {
     AstId value = 0;
     if (parse_enter(p)) {
-        value = parse_suffixes(p, parse_named(p, name), name->begin);
-        value = parse_operators(p, value, name->begin, POWER_OR);
-        if (parse_at(p, TOKEN_ASSIGN) && !p->token.on_new_line && !p->panicking) {
-            value = parse_assignment(p, value, name->begin);
-        }
+        value = parse_rest(p, parse_named(p, name), name->begin);
     }
     parse_leave(p);
     return value;

@@ -334,20 +334,28 @@ uint32_t parse_extra(Parser *p, size_t count, const uint32_t *words)
     }
     uint32_t first = (uint32_t)extra->count;
     for (size_t i = 0; i < count; ++i) {
-        extra->items[extra->count++] = words[i];
+        extra->items[first + i] = words[i];
     }
+    extra->count += count;
     return first;
 }
 
 uint32_t parse_list(Parser *p, size_t mark)
 {
     size_t count = p->stack.count - mark;
+    AstWordArray *extra = &p->ast->extra;
     if (count == 0) {
         return 0;
     }
-    uint32_t length = (uint32_t)count;
-    uint32_t list = parse_extra(p, 1, &length);
-    parse_extra(p, count, p->stack.items + mark);
+    if (!array_reserve(extra, count + 1)) {
+        parse_out_of_memory(p);
+    }
+    uint32_t list = (uint32_t)extra->count;
+    extra->items[list] = (uint32_t)count;
+    for (size_t i = 0; i < count; ++i) {
+        extra->items[list + 1 + i] = p->stack.items[mark + i];
+    }
+    extra->count += count + 1;
     p->stack.count = mark;
     return list;
 }
@@ -374,6 +382,10 @@ static void parse_source(Parser *p, const Source *source, Interner *names, DiagS
     if (!array_push(&p->ast->nodes, (AstNode){0}) || !array_push(&p->ast->extra, 0)) {
         parse_out_of_memory(p);
     }
+    // Literal items have a node for each 5 to 6 bytes and a word for each 8. Room that isn't used
+    // is never touched, and so costs no memory; without it the arrays grow as they must.
+    (void)array_reserve(&p->ast->nodes, source->text.length / 5);
+    (void)array_reserve(&p->ast->extra, source->text.length / 8);
     lexer_next(&p->lexer, &p->token);
     p->ast->root = parse_file(p);
 }
