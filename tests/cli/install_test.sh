@@ -1,0 +1,20 @@
+. "$SOURCE_DIR/tests/cli/support.sh"
+last="cmake --install"
+DESTDIR='' cmake --install "$BUILD_DIR" --prefix "$work/prefix" >out 2>err || { fail "it can't be installed"; cat err >&2; }
+unset SCNRENDER_MODULES
+for file in bin/scnrender share/man/man1/scnrender.1 share/scnrender/examples/first_light.scn; do
+    [ -f "prefix/$file" ] || fail "no $file"
+done
+cp prefix/share/scnrender/examples/first_light.scn .
+last="the installed program"
+./prefix/bin/scnrender first_light.scn --samples 1 --size 16x10 >out 2>err
+code=$?
+expect_code 0
+[ "$(png_size first_light.png)" = 16x10 ] || fail "no picture"
+mv prefix moved
+rm first_light.png
+last="the installed program, moved"
+./moved/bin/scnrender first_light.scn --samples 1 --size 16x10 >out 2>err
+code=$?
+expect_code 0
+finish

@@ -1,0 +1,68 @@
+# What every script begins with: a folder of its own with some scenes, and ways to say what is
+# expected. SCNRENDER is the program under test.
+set -u
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+
+cat >ball.scn <<'END'
+film { width: 32, height: 20 }
+render { samples: 8 }
+camera { position: (0, 0, 5), look_at: (0, 0, 0), fov: 40deg, name: "front" }
+camera { position: (3, 4, 0), look_at: (0, 0, 0), fov: 40deg, name: "side" }
+param size: number = 1 in 0.1..3 "How large the ball is"
+param shade: number = 0.5
+sphere { radius: size, material: lambert { color: gray(shade) } }
+environment_light { radiance: 1 }
+END
+cat >wrong.scn <<'END'
+camera { position: (0, 0, 5), look_at: (0, 0, 0) }
+sphere { radus: 1 }  // wrong
+sphere { radius: "one" }
+END
+
+fail() {
+    echo "FAILED: $*" >&2
+    failures=$((failures + 1))
+}
+
+# run ARGUMENTS…: leaves what the program says in out and err, its exit status in $code.
+run() {
+    last="$*"
+    "$SCNRENDER" "$@" >out 2>err </dev/null
+    code=$?
+}
+
+expect_code() {
+    [ "$code" -eq "$1" ] || { fail "$last: exit status $code, not $1"; cat err >&2; }
+}
+
+# expect_text FILE TEXT: the file holds the text.
+expect_text() {
+    grep -qF -e "$2" "$1" || { fail "$last: no \"$2\" in $1:"; head -20 "$1" >&2; }
+}
+
+expect_no_text() {
+    if grep -qF -e "$2" "$1"; then fail "$last: \"$2\" in $1"; fi
+}
+
+expect_empty() {
+    [ ! -s "$1" ] || { fail "$last: $1 isn't empty:"; head -5 "$1" >&2; }
+}
+
+# Nothing is left beside the pictures.
+expect_no_leftovers() {
+    left=$(find . -name '*.tmp')
+    [ -z "$left" ] || fail "$last: left behind: $left"
+}
+
+# png_size FILE: "WIDTHxHEIGHT"
+png_size() {
+    od -An -tu1 -j16 -N8 "$1" | awk '{ print $1*16777216+$2*65536+$3*256+$4 "x" $5*16777216+$6*65536+$7*256+$8 }'
+}
+
+finish() {
+    [ "$failures" -eq 0 ] || { echo "$failures failed" >&2; exit 1; }
+    exit 0
+}
