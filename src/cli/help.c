@@ -37,8 +37,8 @@ static void print_main(void)
         snprintf(left, sizeof left, "%s %s", command_infos[i].name, command_infos[i].operand);
         printf("  %-19s %s\n", left, command_infos[i].text);
     }
-    puts("\nThe picture stands beside the scene under its name, or where -o says; FILE `-` is\n"
-         "the standard input. The most used options:");
+    puts("\nThe picture stands beside the scene under its name, or where -o says; FILE `-`\n"
+         "is the standard input. The most used options:");
     static const OptionId most_used[] = {OPTION_OUTPUT, OPTION_SAMPLES, OPTION_SIZE, OPTION_SET,
                                          OPTION_QUIET};
     for (size_t i = 0; i < sizeof most_used / sizeof most_used[0]; ++i) {

@@ -200,7 +200,7 @@ class CheckedFile : public OIIO::Filesystem::IOProxy
     }
     size_t pwrite(const void *bytes, size_t size, int64_t offset) override
     {
-        if (!go_to(offset, true)) {
+        if (size == 0 || !go_to(offset, true)) {
             return 0;
         }
         size_t written = std::fwrite(bytes, 1, size, file_);
@@ -213,7 +213,7 @@ class CheckedFile : public OIIO::Filesystem::IOProxy
     }
     size_t pread(void *bytes, size_t size, int64_t offset) override
     {
-        if (!go_to(offset, false)) {
+        if (size == 0 || !go_to(offset, false)) {
             return 0;
         }
         size_t got = std::fread(bytes, 1, size, file_);
