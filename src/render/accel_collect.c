@@ -151,8 +151,7 @@ static AccelKind kind_make(Collector *c, const ShapeClass *class, uint16_t type,
                        .params = c->scene->tables[type].items,
                        .ids = ids,
                        .count = count,
-                       .native = native,
-                       .sliver = 1};
+                       .native = native};
 }
 
 // Flat shapes: those that single precision holds well come first and become Embree's triangles; the

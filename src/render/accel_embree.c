@@ -24,11 +24,9 @@ typedef struct RTCIntersectContext QueryContext;
 typedef struct Query {
     QueryContext embree;
     const AccelGroup *group;
-    const Ray *ray;     // in the group's space; its tmax is the query's
-    Vec3 direction;     // unit
-    double speed;       // Embree's length for t = 1
-    double start;       // Embree's length from the ray's origin to where the float ray begins
-    double first, last; // tmin and tmax in that length
+    const Ray *ray; // in the group's space; its tmax is the query's
+    double speed;   // Embree's length for t = 1
+    double start;   // Embree's length from the ray's origin to where the float ray begins
     uint32_t instance;
     Hit *hit; // the nearest found by callbacks so far; NULL: any will do
 } Query;
@@ -36,10 +34,7 @@ typedef struct Query {
 // --- Rays
 // -------------------------------------------------------------------------------------------
 
-static Box3 unit_cube(double half)
-{
-    return (Box3){{-half, -half, -half}, {half, half, half}};
-}
+static const Box3 unit_cube = {{-1, -1, -1}, {1, 1, 1}};
 
 // The smallest float not below x.
 static float float_up(double x)
@@ -59,16 +54,13 @@ static bool query_begin(Query *q, const AccelGroup *group, const Ray *ray, uint3
     Ray local = {scale(sub(ray->origin, group->center), inverse_scale),
                  scale(ray->direction, 1 / size), 0, 0};
     q->speed = size * inverse_scale;
-    q->first = local.tmin = ray->tmin * q->speed;
-    q->last = local.tmax = ray->tmax * q->speed;
-    double begin = local.tmin, end = local.tmax;
-    if (max_abs(local.origin) > 2 && !ray_clip(&local, unit_cube(1), 0x1p-10, &begin, &end)) {
+    double begin = ray->tmin * q->speed, end = ray->tmax * q->speed;
+    if (max_abs(local.origin) > 2 && !ray_clip(&local, unit_cube, 0x1p-10, &begin, &end)) {
         return false;
     }
     query_context_init(&q->embree);
     q->group = group;
     q->ray = ray;
-    q->direction = local.direction;
     q->start = begin - RAY_MARGIN;
     q->instance = instance;
     q->hit = hit;
@@ -119,24 +111,8 @@ static bool group_intersect(const AccelGroup *group, const Ray *ray, uint32_t in
     }
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     embree_intersect(&q, &rayhit);
-    uint32_t geometry = rayhit.hit.geomID;
-    if (geometry == RTC_INVALID_GEOMETRY_ID) {
-        return false;
-    }
-    if (geometry >= group->kind_count || !group->kinds[geometry].native) {
-        return true; // the callback left it in *hit
-    }
-    const AccelKind *kind = &group->kinds[geometry];
-    uint32_t primitive, shape = accel_native_shape(kind, rayhit.hit.primID, &primitive);
-    ShapeHit local;
-    if (!accel_flat_hit(kind, shape, primitive, ray, &local)) {
-        local = (ShapeHit){.t = (q.start + (double)rayhit.ray.tfar) / q.speed,
-                           .u = (double)rayhit.hit.u,
-                           .v = (double)rayhit.hit.v};
-    }
-    local.primitive = primitive;
-    *hit = (Hit){.t = local.t, .shape = shape, .instance = instance, .local = local};
-    return true;
+    // The callback that found it left it in *hit.
+    return rayhit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 
 static bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
@@ -150,8 +126,7 @@ static bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t ins
 // --- Callbacks: triangles
 // -----------------------------------------------------------------------------
 
-// Rejects a triangle's hit that lies outside of the ray's ends in double precision. Single
-// precision is believed where the plane's distance from both ends is larger than its errors.
+// Decides in double precision on a triangle that single precision proposes.
 static void filter_flat(const struct RTCFilterFunctionNArguments *args)
 {
     if (!args->valid[0]) {
@@ -159,21 +134,13 @@ static void filter_flat(const struct RTCFilterFunctionNArguments *args)
     }
     const AccelKind *kind = args->geometryUserPtr;
     const Query *q = (const Query *)(const void *)args->context;
-    const struct RTCRay *ray = (const struct RTCRay *)(const void *)args->ray;
     const struct RTCHit *hit = (const struct RTCHit *)(const void *)args->hit;
-    double at = q->start + (double)ray->tfar;
-    Vec3 normal = vec3((double)hit->Ng_x, (double)hit->Ng_y, (double)hit->Ng_z);
-    double clear = fmin(at - q->first, q->last - at) * dot(normal, q->direction);
-    double error = FLAT_ERROR * kind->sliver;
-    if (fmin(at - q->first, q->last - at) > 0 &&
-        clear * clear > error * error * length_squared(normal)) {
-        return;
-    }
     uint32_t primitive, shape = accel_native_shape(kind, hit->primID, &primitive);
     ShapeHit exact;
-    if (!accel_flat_hit(kind, shape, primitive, q->ray, &exact) ||
-        !(exact.t > q->ray->tmin && exact.t < q->ray->tmax)) {
+    if (!accel_flat_hit(kind, shape, primitive, q->ray, &exact)) {
         args->valid[0] = 0;
+    } else if (q->hit) {
+        *q->hit = (Hit){.t = exact.t, .shape = shape, .instance = q->instance, .local = exact};
     }
 }
 
@@ -340,89 +307,112 @@ static void occluded_instance(const struct RTCOccludedFunctionNArguments *args)
 // --- Building
 // ------------------------------------------------------------------------------------------
 
-static void put_vertex(const AccelGroup *group, Vec3 p, float out[3])
+// The triangles of one geometry, three vertices each. Embree copies what it needs of them into its
+// leaves, and they are given back once the hierarchy stands.
+typedef struct Triangles {
+    float *vertices; // 9 for each, and some for Embree to read beyond
+    uint32_t *indices;
+    size_t count;
+} Triangles;
+
+static bool triangles_make(Triangles *triangles, size_t count)
 {
-    double inverse_scale = 1 / group->scale;
-    out[0] = (float)((p.x - group->center.x) * inverse_scale);
-    out[1] = (float)((p.y - group->center.y) * inverse_scale);
-    out[2] = (float)((p.z - group->center.z) * inverse_scale);
+    *triangles = (Triangles){mem_alloc(9 * count + 4, sizeof(float)),
+                             mem_alloc(3 * count, sizeof(uint32_t)), 0};
+    return triangles->vertices && triangles->indices;
 }
 
-// |a| |b| / |a x b| for the two shorter edges of a triangle of Embree's; 0 where it has no area.
-static double triangle_sliver(const float *a, const float *b, const float *c)
+static void triangles_free(Triangles *triangles)
 {
-    Vec3 p = vec3((double)a[0], (double)a[1], (double)a[2]);
-    Vec3 q = vec3((double)b[0], (double)b[1], (double)b[2]);
-    Vec3 r = vec3((double)c[0], (double)c[1], (double)c[2]);
-    double e0 = length(sub(q, p)), e1 = length(sub(r, q)), e2 = length(sub(p, r));
-    double area = length(cross(sub(q, p), sub(r, p)));
-    return area > 0 ? e0 * e1 * e2 / (fmax(e0, fmax(e1, e2)) * area) : 0;
+    mem_free(triangles->vertices);
+    mem_free(triangles->indices);
 }
 
-static float *new_vertices(RTCGeometry geometry, size_t count)
+static Vec3 group_point(const AccelGroup *group, Vec3 p)
 {
-    return rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                   3 * sizeof(float), count);
+    return scale(sub(p, group->center), 1 / group->scale);
 }
 
-// A mesh: its vertices rounded to the group's coordinates, its own indices.
-static bool fill_mesh(AccelKind *kind, RTCGeometry geometry, AccelIssues *issues)
+// Moves a corner outwards, so that both edges from it move by FLAT_GROWTH: along the bisector, by
+// that over the sine of half the angle between the edges' unit vectors u and v.
+static Vec3 grown_corner(Vec3 p, Vec3 u, Vec3 v)
+{
+    Vec3 inwards = add(u, v);
+    double cosine = length(inwards) / 2; // of half the angle
+    double sine = length(sub(u, v)) / 2;
+    if (!(cosine > 0x1p-20)) {
+        return p; // flat: the other corners move the edges
+    }
+    return add_scaled(p, inwards, -FLAT_GROWTH / (2 * cosine * fmax(sine, FLAT_SHARPEST)));
+}
+
+// Appends a triangle of the group's space, grown. False where it has no area.
+static bool triangles_add(Triangles *triangles, const AccelGroup *group, const Vec3 world[3])
+{
+    Vec3 corners[3], edges[3];
+    for (int i = 0; i < 3; ++i) {
+        corners[i] = group_point(group, world[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        edges[i] = sub(corners[(i + 1) % 3], corners[i]);
+    }
+    const bool good = length_squared(cross(edges[0], edges[1])) > 0;
+    float *out = triangles->vertices + 9 * triangles->count;
+    for (int i = 0; i < 3; ++i) {
+        Vec3 p = corners[i];
+        if (good) {
+            p = grown_corner(p, normalize(edges[i]), neg(normalize(edges[(i + 2) % 3])));
+        }
+        out[3 * i] = (float)p.x;
+        out[3 * i + 1] = (float)p.y;
+        out[3 * i + 2] = (float)p.z;
+        const size_t number = 3 * triangles->count + (size_t)i;
+        triangles->indices[number] = (uint32_t)number;
+    }
+    ++triangles->count;
+    return good;
+}
+
+static bool fill_mesh(const AccelKind *kind, Triangles *triangles, AccelIssues *issues)
 {
     const Scene *scene = kind->accel->scene;
     const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, kind->ids[0]);
     const Mesh *mesh = mesh_of(scene, scene_params(scene, node));
     const Affine *to_group = node->transform ? &scene->transforms.items[node->transform] : NULL;
-    float *vertices = new_vertices(geometry, mesh->vertex_count);
-    if (!vertices) {
+    if (!triangles_make(triangles, mesh->triangle_count)) {
         return false;
     }
-    for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
-        Vec3 p = mesh_vertex(mesh, i);
-        put_vertex(kind->group, to_group ? transform_point(to_group, p) : p,
-                   vertices + 3 * (size_t)i);
-    }
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                               mesh->triangles, 0, 3 * sizeof(uint32_t), mesh->triangle_count);
     for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
-        const uint32_t *t = mesh->triangles + 3 * (size_t)i;
-        double sliver = triangle_sliver(vertices + 3 * (size_t)t[0], vertices + 3 * (size_t)t[1],
-                                        vertices + 3 * (size_t)t[2]);
-        issues->degenerate += sliver == 0;
-        kind->sliver = fmax(kind->sliver, sliver);
+        Vec3 corners[3];
+        for (uint32_t k = 0; k < 3; ++k) {
+            Vec3 p = mesh_vertex(mesh, mesh->triangles[3 * (size_t)i + k]);
+            corners[k] = to_group ? transform_point(to_group, p) : p;
+        }
+        issues->degenerate += !triangles_add(triangles, kind->group, corners);
     }
     return true;
 }
 
-// Flat shapes, three or four vertices each, one or two triangles each.
-static bool fill_flats(AccelKind *kind, RTCGeometry geometry)
+// Flat shapes, one or two triangles each.
+static bool fill_flats(const AccelKind *kind, Triangles *triangles)
 {
     const Scene *scene = kind->accel->scene;
-    size_t corner_count = (size_t)kind->corners, each = corner_count - 2;
-    float *vertices = new_vertices(geometry, corner_count * kind->count);
-    uint32_t *indices =
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                3 * sizeof(uint32_t), each * kind->count);
-    if (!vertices || !indices) {
+    const size_t each = (size_t)kind->corners - 2;
+    if (!triangles_make(triangles, each * kind->count)) {
         return false;
     }
     for (uint32_t i = 0; i < kind->count; ++i) {
         const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, kind->ids[i]);
+        const Affine *to_group = node->transform ? &scene->transforms.items[node->transform] : NULL;
         Vec3 corners[4];
         kind->class->corners(kind->params + node->index * kind->class->node.size, corners);
-        uint32_t base = (uint32_t)(i * corner_count);
-        for (uint32_t c = 0; c < corner_count; ++c) {
-            Vec3 p = node->transform
-                         ? transform_point(&scene->transforms.items[node->transform], corners[c])
-                         : corners[c];
-            put_vertex(kind->group, p, vertices + 3 * (size_t)(base + c));
+        for (int c = 0; to_group && c < kind->corners; ++c) {
+            corners[c] = transform_point(to_group, corners[c]);
         }
-        for (uint32_t t = 0; t < each; ++t) {
-            uint32_t *out = indices + 3 * (i * each + t);
-            out[0] = base, out[1] = base + t + 1, out[2] = base + t + 2;
-            double sliver =
-                triangle_sliver(vertices + 3 * (size_t)out[0], vertices + 3 * (size_t)out[1],
-                                vertices + 3 * (size_t)out[2]);
-            kind->sliver = fmax(kind->sliver, sliver);
+        triangles_add(triangles, kind->group, (const Vec3[]){corners[0], corners[1], corners[2]});
+        if (each == 2) {
+            triangles_add(triangles, kind->group,
+                          (const Vec3[]){corners[0], corners[2], corners[3]});
         }
     }
     return true;
@@ -443,23 +433,26 @@ static RTCGeometry user_geometry(RTCDevice device, uint32_t count, void *user,
     return geometry;
 }
 
-static RTCGeometry kind_geometry(RTCDevice device, AccelKind *kind, AccelIssues *issues)
+static RTCGeometry kind_geometry(RTCDevice device, AccelKind *kind, Triangles *triangles,
+                                 AccelIssues *issues)
 {
     if (!kind->native) {
         return user_geometry(device, kind->count, kind, bounds_shape, intersect_shape,
                              occluded_shape);
     }
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    if (!geometry) {
+    const bool mesh = kind->class->holding == HOLD_TRIANGLES;
+    if (!(mesh ? fill_mesh(kind, triangles, issues) : fill_flats(kind, triangles))) {
         return NULL;
     }
-    rtcSetGeometryUserData(geometry, kind);
-    rtcSetGeometryIntersectFilterFunction(geometry, filter_flat);
-    rtcSetGeometryOccludedFilterFunction(geometry, filter_flat);
-    bool mesh = kind->class->holding == HOLD_TRIANGLES;
-    if (!(mesh ? fill_mesh(kind, geometry, issues) : fill_flats(kind, geometry))) {
-        rtcReleaseGeometry(geometry);
-        return NULL;
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (geometry) {
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                   triangles->vertices, 0, 3 * sizeof(float), 3 * triangles->count);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                   triangles->indices, 0, 3 * sizeof(uint32_t), triangles->count);
+        rtcSetGeometryUserData(geometry, kind);
+        rtcSetGeometryIntersectFilterFunction(geometry, filter_flat);
+        rtcSetGeometryOccludedFilterFunction(geometry, filter_flat);
     }
     return geometry;
 }
@@ -475,23 +468,20 @@ static bool attach(RTCScene hierarchy, RTCGeometry geometry, uint32_t number)
     return true;
 }
 
-static bool group_build(RTCDevice device, AccelGroup *group, AccelIssues *issues)
+static bool attach_all(RTCDevice device, AccelGroup *group, Triangles *triangles,
+                       AccelIssues *issues)
 {
-    if (box3_is_empty(group->bounds)) {
-        return true;
-    }
-    RTCScene hierarchy = rtcNewScene(device);
-    group->hierarchy = hierarchy;
-    if (!hierarchy) {
-        return false;
-    }
-    rtcSetSceneFlags(hierarchy, RTC_SCENE_FLAG_ROBUST);
-    bool ok = true;
+    RTCScene hierarchy = (RTCScene)group->hierarchy;
     uint32_t number = 0;
-    for (; ok && number < group->kind_count; ++number) {
-        ok = attach(hierarchy, kind_geometry(device, &group->kinds[number], issues), number);
+    for (; number < group->kind_count; ++number) {
+        RTCGeometry geometry =
+            kind_geometry(device, &group->kinds[number], &triangles[number], issues);
+        if (!attach(hierarchy, geometry, number)) {
+            return false;
+        }
     }
-    if (ok && group->pocket_count) {
+    bool ok = true;
+    if (group->pocket_count) {
         ok = attach(hierarchy,
                     user_geometry(device, group->pocket_count, group, bounds_pocket,
                                   intersect_pocket, occluded_pocket),
@@ -503,9 +493,31 @@ static bool group_build(RTCDevice device, AccelGroup *group, AccelIssues *issues
                                   intersect_instance, occluded_instance),
                     number);
     }
+    return ok;
+}
+
+static bool group_build(RTCDevice device, AccelGroup *group, AccelIssues *issues)
+{
+    if (box3_is_empty(group->bounds)) {
+        return true;
+    }
+    RTCScene hierarchy = rtcNewScene(device);
+    group->hierarchy = hierarchy;
+    Triangles *triangles = mem_alloc_zeroed(group->kind_count, sizeof *triangles);
+    if (!hierarchy || !triangles) {
+        mem_free(triangles);
+        return false;
+    }
+    // Robust: leaves hold the triangles' vertices, so that those are needed for building only.
+    rtcSetSceneFlags(hierarchy, RTC_SCENE_FLAG_ROBUST);
+    const bool ok = attach_all(device, group, triangles, issues);
     if (ok) {
         rtcCommitScene(hierarchy);
     }
+    for (uint32_t i = 0; i < group->kind_count; ++i) {
+        triangles_free(&triangles[i]);
+    }
+    mem_free(triangles);
     return ok;
 }
 

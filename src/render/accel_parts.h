@@ -7,21 +7,34 @@
 // is as good at every size and place. Instances and pockets are primitives of one user geometry
 // each, through which the ray goes on in double precision: a million instances are one geometry.
 //
-// Single precision only proposes: curved shapes are intersected in double precision by their kinds;
-// a triangle's hit that is too near to either end of the ray for single precision to tell is
-// decided in double precision by accel_flat_hit, and the hit reported is always that of double
-// precision. So a ray needs to start off a surface by rounding errors of double precision only.
+// Single precision only proposes, double precision decides. Embree holds every triangle a little
+// larger than it is (FLAT_GROWTH), so that its rounding loses none, and each triangle that it
+// proposes is tested in double precision by accel_flat_hit, without gaps between neighbours (Woop,
+// Benthin, Wald 2013, "Watertight Ray/Triangle Intersection"): a ray aimed at a vertex hits one of
+// its triangles, and a ray that starts by rounding errors of double precision off a triangle
+// doesn't hit it again. Curved shapes are intersected in double precision by their kinds, within
+// boxes grown by BOX_MARGIN.
+//
+// What single precision can still do wrong, in parts of the group's size: of two surfaces nearer to
+// each other than about 2^-21 it may take the wrong one first; and a ray that starts nearer than
+// that to a triangle and meets it at a cosine below RAY_LEAST_COSINE may pass through.
 #ifndef RENDER_ACCEL_PARTS_H
 #define RENDER_ACCEL_PARTS_H
 
 #include "render/accel.h"
 
-// In Embree's coordinates. How far a triangle's plane may seem to lie from where it is: vertices
-// and the ray's origin rounded to 2^-24 of at most 1 each, and their products (a few roundings of
-// terms of at most 2 sqrt(3)). Multiplied by a mesh's `sliver`.
-#define FLAT_ERROR 0x1p-19
-// How far the float ray is begun before, and ended after, the true one.
-#define RAY_MARGIN 0x1p-19
+// All in Embree's coordinates.
+// By how much the edges of triangles are moved outwards: more than the rounding of vertices and of
+// the ray's origin (2^-24 of at most 1 and 2), of its direction (over at most 2 sqrt(3)), and of
+// the test (a few roundings of terms of that size).
+#define FLAT_GROWTH 0x1p-19
+// Corners sharper than this sine of half their angle are moved less than that asks.
+#define FLAT_SHARPEST 0x1p-10
+// How far the float ray is begun before, and ended after, the true one: the distance along the ray
+// that corresponds to an error across the triangle's plane of FLAT_GROWTH / 2 at the least cosine.
+// What it meets on the way to the true beginning costs a test in double precision each.
+#define RAY_LEAST_COSINE 0x1p-9
+#define RAY_MARGIN       (FLAT_GROWTH / 2 / RAY_LEAST_COSINE)
 // How much boxes are grown: the float ray's distance from the true one.
 #define BOX_MARGIN 0x1p-21
 // A mesh smaller than this part of its group gets a pocket.
@@ -41,9 +54,6 @@ typedef struct AccelKind {
     uint32_t count;
     bool native; // triangles of Embree's: flat shapes, or one mesh
     int corners; // flat shapes: 3, or 4, which are two triangles
-    // Native: bound on the ratio between the product of two edges and the area they span, over
-    // all triangles: what rounding the normal costs.
-    double sliver;
 } AccelKind;
 
 struct AccelGroup {
@@ -102,8 +112,8 @@ static inline uint32_t accel_native_shape(const AccelKind *kind, uint32_t triang
     *primitive = mesh ? triangle : 0;
     return kind->ids[mesh ? 0 : kind->corners == 4 ? triangle / 2 : triangle];
 }
-// Where the ray (of the group's space) meets the plane of a native shape's primitive, in double
-// precision, u and v moved into the piece. False where it is parallel.
+// The nearest of tmin < t < tmax where the ray (of the group's space) meets a native shape's
+// primitive, in double precision.
 bool accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
                     ShapeHit *hit);
 

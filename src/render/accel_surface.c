@@ -32,26 +32,64 @@ bool ray_clip(const Ray *ray, Box3 box, double margin, double *tmin, double *tma
     return *tmin <= *tmax;
 }
 
-// The corner of a flat piece, and the two edges from it.
-typedef struct Flat {
-    Vec3 corner, edge_u, edge_v;
-    bool triangle; // else a parallelogram
-} Flat;
-
-static Flat flat_of(const AccelKind *kind, const SceneNode *node, uint32_t primitive)
+// A triangle of a mesh in double precision, without gaps: Woop, Benthin, Wald 2013, "Watertight
+// Ray/Triangle Intersection" (JCGT 2/1). A vertex is brought to the ray's frame by the same
+// roundings for each triangle that it belongs to, and the sign of a difference of two rounded
+// products is that of the exact one, or zero; zero counts as inside. t is that of the plane, so
+// that its sign is that of the origin's side.
+static bool mesh_triangle_hit(const Mesh *mesh, uint32_t triangle, const Ray *ray, ShapeHit *hit)
 {
-    const Scene *scene = kind->accel->scene;
-    const void *params = kind->params + node->index * kind->class->node.size;
-    if (kind->class->holding == HOLD_TRIANGLES) {
-        const Mesh *mesh = mesh_of(scene, params);
-        const uint32_t *t = mesh->triangles + 3 * (size_t)primitive;
-        Vec3 a = mesh_vertex(mesh, t[0]);
-        return (Flat){a, sub(mesh_vertex(mesh, t[1]), a), sub(mesh_vertex(mesh, t[2]), a), true};
+    const uint32_t *index = mesh->triangles + 3 * (size_t)triangle;
+    const Vec3 direction = ray->direction, size = vec3_abs(direction);
+    const bool x_longest = size.x > size.y && size.x > size.z;
+    const bool y_longest = !x_longest && size.y > size.z;
+    Vec3 from[3];
+    double x[3], y[3];
+    for (int i = 0; i < 3; ++i) {
+        const Vec3 p = from[i] = sub(mesh_vertex(mesh, index[i]), ray->origin);
+        if (x_longest) {
+            x[i] = p.y - p.x * (direction.y / direction.x);
+            y[i] = p.z - p.x * (direction.z / direction.x);
+        } else if (y_longest) {
+            x[i] = p.z - p.y * (direction.z / direction.y);
+            y[i] = p.x - p.y * (direction.x / direction.y);
+        } else {
+            x[i] = p.x - p.z * (direction.x / direction.z);
+            y[i] = p.y - p.z * (direction.y / direction.z);
+        }
     }
+    const double a = x[2] * y[1] - y[2] * x[1], b = x[0] * y[2] - y[0] * x[2];
+    const double c = x[1] * y[0] - y[1] * x[0], sum = a + b + c;
+    if (((a < 0 || b < 0 || c < 0) && (a > 0 || b > 0 || c > 0)) || sum == 0) {
+        return false;
+    }
+    const Vec3 normal = cross(sub(from[1], from[0]), sub(from[2], from[0]));
+    const double t = dot(normal, from[0]) / dot(normal, direction);
+    *hit = (ShapeHit){.t = t, .primitive = triangle, .u = b / sum, .v = c / sum};
+    return t > ray->tmin && t < ray->tmax;
+}
+
+// Flat shapes reach a few roundings beyond their edges, so that a ray at the common edge of two of
+// them finds one.
+#define EDGE_SLACK (64 * ROUNDING)
+
+static bool flat_shape_hit(const ShapeClass *class, const void *params, const Ray *ray,
+                           ShapeHit *hit)
+{
     Vec3 corners[4];
-    int count = kind->class->corners(params, corners);
-    return (Flat){corners[0], sub(corners[1], corners[0]), sub(corners[count - 1], corners[0]),
-                  count == 3};
+    const int count = class->corners(params, corners);
+    const Vec3 u = sub(corners[1], corners[0]), v = sub(corners[count - 1], corners[0]);
+    if (!flat_meet(corners[0], u, v, ray, hit) || !(hit->t > ray->tmin && hit->t < ray->tmax) ||
+        !(hit->u >= -EDGE_SLACK && hit->v >= -EDGE_SLACK)) {
+        return false;
+    }
+    const double over = count == 3 ? hit->u + hit->v : fmax(hit->u, hit->v);
+    if (!(over <= 1 + EDGE_SLACK)) {
+        return false;
+    }
+    hit->u = fmin(fmax(hit->u, 0), 1);
+    hit->v = fmin(fmax(hit->v, 0), count == 3 ? 1 - hit->u : 1);
+    return true;
 }
 
 bool accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
@@ -59,20 +97,11 @@ bool accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, c
 {
     const Scene *scene = kind->accel->scene;
     const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, shape);
-    Ray local = accel_shape_ray(scene, node, ray);
-    Flat flat = flat_of(kind, node, primitive);
-    if (!flat_meet(flat.corner, flat.edge_u, flat.edge_v, &local, hit)) {
-        return false;
-    }
-    hit->primitive = primitive;
-    hit->u = fmin(fmax(hit->u, 0), 1);
-    hit->v = fmin(fmax(hit->v, 0), 1);
-    double sum = hit->u + hit->v;
-    if (flat.triangle && sum > 1) {
-        hit->u /= sum;
-        hit->v /= sum;
-    }
-    return true;
+    const void *params = kind->params + node->index * kind->class->node.size;
+    const Ray local = accel_shape_ray(scene, node, ray);
+    return kind->class->holding == HOLD_TRIANGLES
+               ? mesh_triangle_hit(mesh_of(scene, params), primitive, &local, hit)
+               : flat_shape_hit(kind->class, params, &local, hit);
 }
 
 bool accel_unbounded_hit(const Accel *accel, const Ray *ray, Hit *hit)
