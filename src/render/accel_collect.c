@@ -99,8 +99,7 @@ static uint32_t type_key(const Scene *scene, uint32_t id)
     return scene->nodes[CATEGORY_SHAPE].items[id].type;
 }
 
-// --- Groups
-// ---------------------------------------------------------------------------------------
+// --- Groups -----------------------------------------------------------------------------------
 
 typedef ARRAY(AccelKind) KindArray;
 typedef ARRAY(AccelGroup) GroupArray;

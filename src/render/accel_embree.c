@@ -24,15 +24,15 @@ typedef struct RTCIntersectContext QueryContext;
 typedef struct Query {
     QueryContext embree;
     const AccelGroup *group;
-    const Ray *ray; // in the group's space; its tmax is the query's
+    const Ray *ray; // in the group's space
+    double tmax;    // the ray's, then that of the nearest hit so far
     double speed;   // Embree's length for t = 1
     double start;   // Embree's length from the ray's origin to where the float ray begins
     uint32_t instance;
     Hit *hit; // the nearest found by callbacks so far; NULL: any will do
 } Query;
 
-// --- Rays
-// -------------------------------------------------------------------------------------------
+// --- Rays -------------------------------------------------------------------------------------
 
 static const Box3 unit_cube = {{-1, -1, -1}, {1, 1, 1}};
 
@@ -61,6 +61,7 @@ static bool query_begin(Query *q, const AccelGroup *group, const Ray *ray, uint3
     query_context_init(&q->embree);
     q->group = group;
     q->ray = ray;
+    q->tmax = ray->tmax;
     q->start = begin - RAY_MARGIN;
     q->instance = instance;
     q->hit = hit;
@@ -123,8 +124,7 @@ static bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t ins
            embree_occluded(&q, &embree_ray);
 }
 
-// --- Callbacks: triangles
-// -----------------------------------------------------------------------------
+// --- Callbacks: triangles ---------------------------------------------------------------------
 
 // Decides in double precision on a triangle that single precision proposes.
 static void filter_flat(const struct RTCFilterFunctionNArguments *args)
@@ -133,19 +133,19 @@ static void filter_flat(const struct RTCFilterFunctionNArguments *args)
         return;
     }
     const AccelKind *kind = args->geometryUserPtr;
-    const Query *q = (const Query *)(const void *)args->context;
+    Query *q = (Query *)(void *)args->context;
     const struct RTCHit *hit = (const struct RTCHit *)(const void *)args->hit;
     uint32_t primitive, shape = accel_native_shape(kind, hit->primID, &primitive);
     ShapeHit exact;
-    if (!accel_flat_hit(kind, shape, primitive, q->ray, &exact)) {
+    if (!accel_flat_hit(kind, shape, primitive, q->ray, q->tmax, &exact)) {
         args->valid[0] = 0;
     } else if (q->hit) {
+        q->tmax = exact.t;
         *q->hit = (Hit){.t = exact.t, .shape = shape, .instance = q->instance, .local = exact};
     }
 }
 
-// --- Callbacks: other shapes
-// --------------------------------------------------------------------------
+// --- Callbacks: other shapes ------------------------------------------------------------------
 
 static void write_bounds(const AccelGroup *group, Box3 box, struct RTCBounds *out)
 {
@@ -178,16 +178,14 @@ static bool shape_hit(const AccelKind *kind, uint32_t shape, const Ray *ray, dou
     return kind->class->intersect(kind->params + node->index * kind->class->node.size, &local, hit);
 }
 
-// How far the query still has to go, in t: to the nearest hit so far.
-static double query_tmax(const Query *q, const struct RTCRay *ray)
-{
-    return fmin(q->ray->tmax, (q->start + (double)ray->tfar) / q->speed);
-}
-
-static void report_hit(const Query *q, double t, const struct RTCIntersectFunctionNArguments *args)
+// Tells Embree of a hit that is in *q->hit. It goes on a little beyond, so that what single
+// precision would place behind by mistake is tried.
+static void report_hit(Query *q, const struct RTCIntersectFunctionNArguments *args)
 {
     struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)args->rayhit;
-    rayhit->ray.tfar = fmaxf(0, float_up(t * q->speed - q->start));
+    q->tmax = q->hit->t;
+    rayhit->ray.tfar =
+        fminf(rayhit->ray.tfar, float_up(q->tmax * q->speed - q->start + FLAT_GROWTH));
     rayhit->hit.geomID = args->geomID;
     rayhit->hit.primID = args->primID;
 }
@@ -198,13 +196,12 @@ static void intersect_shape(const struct RTCIntersectFunctionNArguments *args)
         return;
     }
     const AccelKind *kind = args->geometryUserPtr;
-    const Query *q = (const Query *)(const void *)args->context;
-    const struct RTCRayHit *rayhit = (const struct RTCRayHit *)(const void *)args->rayhit;
+    Query *q = (Query *)(void *)args->context;
     uint32_t shape = kind->ids[args->primID];
     ShapeHit local;
-    if (shape_hit(kind, shape, q->ray, query_tmax(q, &rayhit->ray), &local)) {
+    if (shape_hit(kind, shape, q->ray, q->tmax, &local)) {
         *q->hit = (Hit){.t = local.t, .shape = shape, .instance = q->instance, .local = local};
-        report_hit(q, local.t, args);
+        report_hit(q, args);
     }
 }
 
@@ -214,15 +211,14 @@ static void occluded_shape(const struct RTCOccludedFunctionNArguments *args)
         return;
     }
     const AccelKind *kind = args->geometryUserPtr;
-    const Query *q = (const Query *)(const void *)args->context;
+    Query *q = (Query *)(void *)args->context;
     ShapeHit local;
-    if (shape_hit(kind, kind->ids[args->primID], q->ray, q->ray->tmax, &local)) {
+    if (shape_hit(kind, kind->ids[args->primID], q->ray, q->tmax, &local)) {
         ((struct RTCRay *)(void *)args->ray)->tfar = -INFINITY;
     }
 }
 
-// --- Callbacks: groups within groups
-// ------------------------------------------------------------------
+// --- Callbacks: groups within groups ----------------------------------------------------------
 
 // A primitive of the pockets' or the instances' geometry: the group it leads to, and the ray there.
 typedef struct Passage {
@@ -232,45 +228,44 @@ typedef struct Passage {
 } Passage;
 
 // False where the ray misses the inner group's box.
-static bool pass_to_pocket(const Query *q, uint32_t primitive, double tmax, Passage *out)
+static bool pass_to_pocket(const Query *q, uint32_t primitive, Passage *out)
 {
     out->group = &q->group->accel->groups[q->group->pockets[primitive]];
     out->instance = q->instance;
     out->ray = *q->ray;
-    out->ray.tmax = tmax;
+    out->ray.tmax = q->tmax;
     return true;
 }
 
-static bool pass_to_instance(const Query *q, uint32_t primitive, double tmax, Passage *out)
+static bool pass_to_instance(const Query *q, uint32_t primitive, Passage *out)
 {
     const Accel *accel = q->group->accel;
     const SceneInstance *instance = &accel->scene->instances.items[primitive];
     out->group = &accel->groups[instance->prototype];
     out->instance = primitive;
     out->ray = ray_map(&accel->scene->inverses.items[instance->transform], q->ray);
-    out->ray.tmax = tmax;
-    double begin = out->ray.tmin, end = tmax;
+    out->ray.tmax = q->tmax;
+    double begin = out->ray.tmin, end = q->tmax;
     return ray_clip(&out->ray, out->group->bounds, out->group->scale * BOX_MARGIN, &begin, &end);
 }
 
 static void intersect_passage(const struct RTCIntersectFunctionNArguments *args,
-                              bool (*pass)(const Query *, uint32_t, double, Passage *))
+                              bool (*pass)(const Query *, uint32_t, Passage *))
 {
-    const Query *q = (const Query *)(const void *)args->context;
-    const struct RTCRayHit *rayhit = (const struct RTCRayHit *)(const void *)args->rayhit;
+    Query *q = (Query *)(void *)args->context;
     Passage inner;
-    if (args->valid[0] && pass(q, args->primID, query_tmax(q, &rayhit->ray), &inner) &&
+    if (args->valid[0] && pass(q, args->primID, &inner) &&
         group_intersect(inner.group, &inner.ray, inner.instance, q->hit)) {
-        report_hit(q, q->hit->t, args);
+        report_hit(q, args);
     }
 }
 
 static void occluded_passage(const struct RTCOccludedFunctionNArguments *args,
-                             bool (*pass)(const Query *, uint32_t, double, Passage *))
+                             bool (*pass)(const Query *, uint32_t, Passage *))
 {
-    const Query *q = (const Query *)(const void *)args->context;
+    Query *q = (Query *)(void *)args->context;
     Passage inner;
-    if (args->valid[0] && pass(q, args->primID, q->ray->tmax, &inner) &&
+    if (args->valid[0] && pass(q, args->primID, &inner) &&
         group_occluded(inner.group, &inner.ray, inner.instance)) {
         ((struct RTCRay *)(void *)args->ray)->tfar = -INFINITY;
     }
@@ -304,8 +299,7 @@ static void occluded_instance(const struct RTCOccludedFunctionNArguments *args)
     occluded_passage(args, pass_to_instance);
 }
 
-// --- Building
-// ------------------------------------------------------------------------------------------
+// --- Building ---------------------------------------------------------------------------------
 
 // The triangles of one geometry, three vertices each. Embree copies what it needs of them into its
 // leaves, and they are given back once the hierarchy stands.
@@ -578,8 +572,7 @@ void accel_free(Accel *accel)
     mem_free(accel);
 }
 
-// --- Queries
-// -------------------------------------------------------------------------------------------
+// --- Queries ----------------------------------------------------------------------------------
 
 bool accel_intersect(const Accel *accel, const Ray *ray, Hit *hit)
 {

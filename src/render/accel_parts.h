@@ -112,10 +112,10 @@ static inline uint32_t accel_native_shape(const AccelKind *kind, uint32_t triang
     *primitive = mesh ? triangle : 0;
     return kind->ids[mesh ? 0 : kind->corners == 4 ? triangle / 2 : triangle];
 }
-// The nearest of tmin < t < tmax where the ray (of the group's space) meets a native shape's
-// primitive, in double precision.
+// Where the ray (of the group's space) meets a native shape's primitive, in double precision, with
+// ray->tmin < t < tmax.
 bool accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
-                    ShapeHit *hit);
+                    double tmax, ShapeHit *hit);
 
 // Tests the unbounded shapes; the nearest before ray->tmax.
 bool accel_unbounded_hit(const Accel *accel, const Ray *ray, Hit *hit);

@@ -93,12 +93,13 @@ static bool flat_shape_hit(const ShapeClass *class, const void *params, const Ra
 }
 
 bool accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
-                    ShapeHit *hit)
+                    double tmax, ShapeHit *hit)
 {
     const Scene *scene = kind->accel->scene;
     const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, shape);
     const void *params = kind->params + node->index * kind->class->node.size;
-    const Ray local = accel_shape_ray(scene, node, ray);
+    Ray local = accel_shape_ray(scene, node, ray);
+    local.tmax = tmax;
     return kind->class->holding == HOLD_TRIANGLES
                ? mesh_triangle_hit(mesh_of(scene, params), primitive, &local, hit)
                : flat_shape_hit(kind->class, params, &local, hit);

@@ -197,8 +197,7 @@ static void mesh_point(const Scene *scene, const void *params, const Ray *ray, c
     mesh_point_at(mesh_of(scene, params), hit->primitive, hit->u, hit->v, out);
 }
 
-// --- Sampling
-// ----------------------------------------------------------------------------------------
+// --- Sampling ---------------------------------------------------------------------------------
 
 // Sums of the triangles' areas in the world, each with those before it.
 typedef struct MeshTable {

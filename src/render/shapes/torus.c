@@ -233,8 +233,7 @@ static bool torus_intersect(const void *params, const Ray *ray, ShapeHit *hit)
     return false;
 }
 
-// --- Points
-// ------------------------------------------------------------------------------------------
+// --- Points -----------------------------------------------------------------------------------
 
 // (x, y) and (c, s) are unit vectors: around the axis, and around the tube from its outermost
 // circle. u runs around the axis, v around the tube.
@@ -269,8 +268,7 @@ static void torus_point(const Scene *scene, const void *params, const Ray *ray, 
     torus_point_at(torus, p.x / ring, p.y / ring, across / tube, p.z / tube, out);
 }
 
-// --- Sampling
-// ----------------------------------------------------------------------------------------
+// --- Sampling ---------------------------------------------------------------------------------
 
 typedef struct TorusTable {
     double area, most; // most: a bound on |C n|
