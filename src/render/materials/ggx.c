@@ -133,7 +133,8 @@ static bool finish(NodeFinish *finish)
     return true;
 }
 
-// --- At a point -------------------------------------------------------------------------------
+// --- At a point
+// -----------------------------------------------------------------------------------
 
 // The surface at a point, and the viewer on its front in the facets' frame.
 typedef struct Gloss {

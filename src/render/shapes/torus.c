@@ -62,13 +62,14 @@ static Box3 torus_bounds(const Scene *scene, const void *params)
     return (Box3){sub(torus->center, reach), add(torus->center, reach)};
 }
 
-// --- Intersection
-// --------------------------------------------------------------------------------- Along a ray the
-// torus is the quartic s⁴ + c3 s³ + c2 s² + c1 s + c0. Its roots are found between those of its
-// derivative, and so on down to the quadratic (Yuksel 2022, "High-Performance Polynomial Root
-// Finding for Graphics"). Between two of these the ray comes nearer all the time or goes away all
-// the time, so that a change of sign is a hit and no change is none; and the sign is that of the
-// distance to the tube, which is exact to rounding even where the quartic's coefficients cancel.
+// --- Intersection -----------------------------------------------------------------------------
+
+// Along a ray the torus is the quartic s⁴ + c3 s³ + c2 s² + c1 s + c0. Its roots are found between
+// those of its derivative, and so on down to the quadratic (Yuksel 2022, "High-Performance
+// Polynomial Root Finding for Graphics"). Between two of these the ray comes nearer all the time or
+// goes away all the time, so that a change of sign is a hit and no change is none; and the sign is
+// that of the distance to the tube, which is exact to rounding even where the quartic's
+// coefficients cancel.
 
 typedef struct TorusRay {
     Vec3 o, d;           // in the torus's frame, n its axis; d of unit length

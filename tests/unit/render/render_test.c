@@ -137,7 +137,8 @@ static bool same_film(const Film *a, const Film *b)
            (!a->aovs || memcmp(a->aovs, b->aovs, n * sizeof *a->aovs) == 0);
 }
 
-// --- Bytes ------------------------------------------------------------------------------------
+// --- Bytes
+// -----------------------------------------------------------------------------------------
 
 static void bytes_do_not_depend_on_threads(void **state)
 {
@@ -287,7 +288,8 @@ static void ranges_join_to_the_same_bytes(void **state)
     fixture_free(&f);
 }
 
-// --- Light, figures, progress -----------------------------------------------------------------
+// --- Light, figures, progress
+// ----------------------------------------------------------------------
 
 static void constant_light_is_exact(void **state)
 {
@@ -376,7 +378,8 @@ static void progress_and_figures_add_up(void **state)
     fixture_free(&f);
 }
 
-// --- Settings and cameras ---------------------------------------------------------------------
+// --- Settings and cameras
+// ----------------------------------------------------------------------------
 
 static void options_go_before_the_scene(void **state)
 {
