@@ -39,6 +39,11 @@ finish_report(NodeFinish *self, int param, DiagCode code, const char *format, ..
     return report(call->ev, code, finish_span(call, param), "%s", text);
 }
 
+static Span finish_place(NodeFinish *self, int param)
+{
+    return finish_span(self->caller, param);
+}
+
 // A light's shape stands in the scene while `finish` looks at it, and is taken out again: it is
 // added for good with each light that is emitted.
 static uint32_t lend_shape(Eval *ev, NodeValue *light, const KindInfo *kind)
@@ -88,6 +93,7 @@ static bool finish_node(Eval *ev, NodeValue *node, Module *module, uint32_t list
                          .scene = ev->scene,
                          .color = node->color,
                          .report = finish_report,
+                         .place = finish_place,
                          .sink = ev->sink,
                          .caller = &call};
     bool good = type->finish(&finish) && ev->sink->errors == errors;

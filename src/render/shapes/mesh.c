@@ -63,8 +63,8 @@ static bool list_fits(NodeFinish *finish, int field, uint32_t count)
     if (count == 0 || count == mesh->vertices.count) {
         return true;
     }
-    finish->report(finish, field, E0806, "`%s` has %u entries, but there are %u vertices",
-                   mesh_params[field].name, count, mesh->vertices.count);
+    finish->report(finish, field, E0806, "`%s` has %u entr%s, but there are %u vertices",
+                   mesh_params[field].name, count, count == 1 ? "y" : "ies", mesh->vertices.count);
     return false;
 }
 
