@@ -10,7 +10,17 @@
 
 #include <string.h>
 
-static void print_contents(void)
+static bool has_kinds(const Schema *schema, int category)
+{
+    for (size_t i = 0; i < schema->type_count; ++i) {
+        if ((int)schema->types[i]->category == category && !schema->types[i]->internal) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void print_contents(const Schema *schema)
 {
     puts(
         "# Reference of the scene language\n\n"
@@ -19,6 +29,9 @@ static void print_contents(void)
         "[grammar/scn.ebnf](../grammar/scn.ebnf).\n");
     for (int category = 0; category < CATEGORY_COUNT; ++category) {
         const char *name = category_name((Category)category);
+        if (!has_kinds(schema, category)) {
+            continue;
+        }
         printf("- [%c%ss](#%ss)\n", name[0] - 'a' + 'A', name + 1, name);
     }
     puts("- [Integrators](#integrators)\n- [Units](#units)\n- [Functions](#functions)\n"
@@ -80,9 +93,11 @@ int command_reference(const Options *options)
 {
     (void)options;
     const Schema *schema = render_schema();
-    print_contents();
+    print_contents(schema);
     for (int category = 0; category < CATEGORY_COUNT; ++category) {
-        manual_write_category(schema, (Category)category, stdout, MANUAL_MARKDOWN);
+        if (has_kinds(schema, category)) {
+            manual_write_category(schema, (Category)category, stdout, MANUAL_MARKDOWN);
+        }
     }
     print_integrators();
     print_units();

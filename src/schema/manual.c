@@ -83,11 +83,16 @@ static void write_dimensions(FILE *out, const Param *param)
         }
     }
     if (param->si) {
-        fprintf(out, "%sbare in %s", *between ? ", " : "", param->si);
+        fprintf(out, "%s in %s", *between ? ", bare" : "number", param->si);
+        return;
     }
-    for (int dim = DIM_NONE + 1; !param->si && dim < DIM_COUNT; ++dim) {
-        if (param->dims == DIM_BIT(dim) && dim != DIM_ANGLE) {
-            fprintf(out, ", bare in %s", dim_info((Dim)dim)->si_unit);
+    // The first is the one that a bare number is taken in; a bare angle is an error.
+    for (int dim = DIM_NONE + 1; dim < DIM_COUNT; ++dim) {
+        if (param->dims & DIM_BIT(dim)) {
+            if (dim != DIM_ANGLE) {
+                fprintf(out, ", bare in %s", dim_info((Dim)dim)->si_unit);
+            }
+            return;
         }
     }
 }
