@@ -15,7 +15,8 @@
 static const double FIRST_REFRESH_SECONDS = 10, REFRESH_SECONDS = 15;
 static const double WRITER_CHECK_SECONDS = 1; // by then the module is loaded
 
-enum { STOP_FAILED = -1 }; // in place of a signal's number
+// Values of the renderer's stop flag beside the numbers of signals.
+enum { GO_ON = 0, STOP_FAILED = -1, STOP_TO_REFRESH = -2 };
 
 // --- Dumps ---------------------------------------------------------------------------------------
 
@@ -85,7 +86,7 @@ typedef struct Rendering {
     Picture picture;
     Bar bar;
     double refresh_at; // seconds of rendering
-    bool refresh_failed, writer_checked;
+    bool writer_checked;
     char failure[600]; // why rendering was given up; "": it wasn't
     Renderer *renderer;
     RenderStats stats;
@@ -103,23 +104,45 @@ static void check_writer(Rendering *rendering, const RenderProgress *progress)
     }
 }
 
-// Called by the renderer; at the end of a pass no thread writes to the film.
+// Called by the renderer. A pass may take minutes, and while it lasts the film can't be read: so
+// the renderer is stopped, to go on after the picture is written.
 static void on_progress(void *context, const RenderProgress *progress)
 {
     Rendering *rendering = context;
     bar_draw(&rendering->bar, progress);
     check_writer(rendering, progress);
-    if (!progress->pass_done || progress->seconds < rendering->refresh_at ||
-        progress->fraction >= 1 || rendering->refresh_failed) {
-        return;
+    if (progress->seconds >= rendering->refresh_at && progress->fraction < 1) {
+        int expected = GO_ON;
+        atomic_compare_exchange_strong(&rendering->interrupt.signal, &expected, STOP_TO_REFRESH);
+        rendering->refresh_at = progress->seconds + REFRESH_SECONDS;
     }
+}
+
+// Puts on the disk what is done so far.
+static void refresh(Rendering *rendering)
+{
     char message[1024];
-    if (picture_write(&rendering->picture, progress->film, message, sizeof message) != EXIT_OK) {
+    const Film *film = renderer_film(rendering->renderer);
+    if (picture_write(&rendering->picture, film, message, sizeof message) != EXIT_OK) {
         bar_end(&rendering->bar);
-        complain(EXIT_OK, "%s; will try again at the end", message);
-        rendering->refresh_failed = true;
+        complain(EXIT_OK, "%s; will try again", message);
     }
-    rendering->refresh_at = progress->seconds + REFRESH_SECONDS;
+}
+
+// Renders to the end, or to a stop that isn't for a refresh. False if nothing could be rendered.
+static bool run_with_refreshes(Rendering *rendering)
+{
+    for (;;) {
+        if (!renderer_run(rendering->renderer, &rendering->stats)) {
+            return false;
+        }
+        int expected = STOP_TO_REFRESH;
+        if (atomic_load(&rendering->interrupt.signal) != expected || !rendering->stats.stopped) {
+            return true;
+        }
+        refresh(rendering);
+        atomic_compare_exchange_strong(&rendering->interrupt.signal, &expected, GO_ON);
+    }
 }
 
 static RenderOptions render_options(Rendering *rendering)
@@ -201,10 +224,10 @@ static int render(Rendering *rendering)
     rendering->refresh_at = FIRST_REFRESH_SECONDS;
     image_preload(); // not earlier: Embree's own loading would have to wait for it
     bar_begin(&rendering->bar, !loading->options->quiet);
-    bool rendered = renderer_run(rendering->renderer, &rendering->stats);
+    bool rendered = run_with_refreshes(rendering);
     bar_end(&rendering->bar);
-    int signal_number = rendering->stats.stopped ? atomic_load(&rendering->interrupt.signal) : 0;
-    return finish(rendering, rendered, signal_number);
+    int stop = rendering->stats.stopped ? atomic_load(&rendering->interrupt.signal) : GO_ON;
+    return finish(rendering, rendered, stop > 0 ? stop : 0);
 }
 
 static int prepare(Rendering *rendering)
