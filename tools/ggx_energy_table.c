@@ -38,7 +38,7 @@ static void print_energy(void)
         double alpha = fmax((double)j / (GGX_ENERGY_ROWS - 1), 1e-4);
         printf("{");
         for (int i = 0; i < GGX_ENERGY_COLUMNS; ++i) {
-            double x = (double)i / (GGX_ENERGY_COLUMNS - 1);
+            double x = sin(0.5 * PI * i / (GGX_ENERGY_COLUMNS - 1));
             double mu = fmin(1, alpha * x * x / (1 + alpha - x * x));
             printf("%.0f,%s", i == 0 ? 1e6 : 1e6 * albedo(alpha, mu), i % 8 == 7 ? "\n" : " ");
         }

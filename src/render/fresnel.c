@@ -4,7 +4,7 @@
 static double snell(double cos_i, double eta)
 {
     double sin2 = (1 - cos_i * cos_i) / (eta * eta);
-    return sin2 < 1 ? sqrt(1 - sin2) : -1;
+    return sin2 <= 1 ? sqrt(1 - sin2) : -1;
 }
 
 double fresnel_dielectric(double cos_i, double eta, double *cos_t)

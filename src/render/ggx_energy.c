@@ -1,6 +1,6 @@
 #include "render/ggx_energy.h"
 
-#include <math.h>
+#include "base/vec.h"
 
 enum { ROWS = GGX_ENERGY_ROWS, COLUMNS = GGX_ENERGY_COLUMNS };
 
@@ -45,8 +45,9 @@ static int cell(double x, int count, double *f)
 
 double ggx_energy(double alpha, double mu)
 {
-    double x = mu + alpha > 0 ? sqrt(mu * (1 + alpha) / (mu + alpha)) : 0, fx, fy;
-    int column = cell(x, COLUMNS, &fx), row = cell(alpha, ROWS, &fy);
+    double y = mu + alpha > 0 ? mu * (1 + alpha) / (mu + alpha) : 0, fx, fy;
+    int column = cell(asin(sqrt(fmin(fmax(y, 0), 1))) * (2 / PI), COLUMNS, &fx),
+        row = cell(alpha, ROWS, &fy);
     double p[4]; // of the four rows around; rows go on beyond the table in a straight line
     for (int k = 0; k < 4; ++k) {
         int j = row - 1 + k;

@@ -4,11 +4,13 @@
 #ifndef RENDER_GGX_ENERGY_H
 #define RENDER_GGX_ENERGY_H
 
-// The table's grid: rows for alpha = j/(rows - 1), columns for x = i/(columns - 1), where
-// x² = mu (1 + alpha)/(mu + alpha), which spreads the steep part at mu ~ alpha out.
+// The table's grid: rows for alpha = j/(rows - 1), columns for t = i/(columns - 1), where
+// sin²(π t/2) = mu (1 + alpha)/(mu + alpha), which spreads the steep part at mu ~ alpha out and is
+// dense at both ends.
 enum { GGX_ENERGY_ROWS = 32, GGX_ENERGY_COLUMNS = 32 };
 
-// Seen under cosine mu in [0, 1]; alpha in [0, 1]. Off by less than 3e-4.
+// Seen under cosine mu in [0, 1]; alpha in [0, 1]. Off by less than 1e-4, and by less than 3e-4
+// where alpha is below 0.04.
 double ggx_energy(double alpha, double mu);
 // 2 ∫ ggx_energy mu dmu over [0, 1], of the same table, so that what is put back sums to what is
 // missing.

@@ -23,7 +23,7 @@ double ggx_g1(Ggx ggx, Vec3 w)
 
 double ggx_g2(Ggx ggx, Vec3 wi, Vec3 wo)
 {
-    return 1 / (1 + ggx_lambda(ggx, wi) + ggx_lambda(ggx, wo));
+    return 1 / (1 + (ggx_lambda(ggx, wi) + ggx_lambda(ggx, wo))); // symmetric to the last bit
 }
 
 Vec3 ggx_sample_visible(Ggx ggx, Vec3 wo, double u, double v)

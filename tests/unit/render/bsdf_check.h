@@ -1,0 +1,532 @@
+// A bench for materials: a world of materials alone, without shapes or accelerator, and the
+// statistical tests that hold sample, eval and pdf to each other.
+#ifndef BSDF_CHECK_H
+#define BSDF_CHECK_H
+
+#include "../test_support.h"
+#include "base/hash.h"
+#include "render/render.h"
+#include "render/world.h"
+#include "scene/scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { BENCH_MATERIALS = 64 };
+
+typedef struct Bench {
+    Scene scene; // of nodes of textures; and what finishes are given
+    Arena arena;
+    DiagSink sink;
+    World world;
+    WorldMaterial materials[BENCH_MATERIALS + 1];
+    Surface surface;
+    DiagCode reported; // by the last bench_material
+    int reports;
+} Bench;
+
+// --- Making materials -------------------------------------------------------------------------
+
+static inline void bench_init(Bench *bench)
+{
+    *bench = (Bench){0};
+    assert_true(scene_init(&bench->scene, render_schema(), NULL));
+    diag_sink_init(&bench->sink, &bench->arena);
+    bench->world.scene = &bench->scene;
+    bench->world.materials = bench->materials;
+    bench->surface = (Surface){.geometric = {0, 0, 1},
+                               .shading = {0, 0, 1},
+                               .tangent = {1, 0, 0},
+                               .color = {1, 1, 1},
+                               .front = true};
+}
+
+static inline void bench_free(Bench *bench)
+{
+    texture_set_free(bench->world.textures);
+    scene_free(&bench->scene);
+    arena_free(&bench->arena);
+}
+
+static inline Diag *bench_report(NodeFinish *self, int param, DiagCode code, const char *format,
+                                 ...)
+{
+    static Diag diag;
+    (void)param, (void)format;
+    Bench *bench = self->caller;
+    bench->reported = code;
+    ++bench->reports;
+    return &diag;
+}
+
+// Sets a field from a text as in a scene, of numbers, colors, choices, and "#3" for node 3.
+static inline void bench_set(const Param *param, void *params, const char *text)
+{
+    char *at = (char *)params + param->offset;
+    uint32_t node = NONE_ID;
+    if (*text == '#') {
+        node = (uint32_t)strtoul(text + 1, NULL, 10);
+    }
+    double n[3] = {0, 0, 0};
+    int count = 0;
+    bool gray = strncmp(text, "gray", 4) == 0;
+    for (const char *p = text + strcspn(text, "-.0123456789"); count < 3 && *p && *p != '"';) {
+        char *end;
+        n[count++] = strtod(p, &end) * (strncmp(end, "deg", 3) == 0 ? PI / 180 : 1);
+        p = end + strcspn(end, "-.0123456789");
+    }
+    if (count == 1 || gray) {
+        n[1] = n[2] = n[0];
+    }
+    Rgb color = node == NONE_ID ? rgb((float)n[0], (float)n[1], (float)n[2]) : rgb_gray(1);
+    double number = node == NONE_ID ? n[0] : 1;
+    Vec2 pair = node == NONE_ID ? (Vec2){n[0], n[1]} : (Vec2){1, 1};
+    switch (param->type) {
+    case PARAM_NUMBER:
+        *(double *)(void *)at = n[0];
+        break;
+    case PARAM_INT:
+        *(int64_t *)(void *)at = (int64_t)n[0];
+        break;
+    case PARAM_COLOR:
+        *(Rgb *)(void *)at = color;
+        break;
+    case PARAM_NUMBER_TEX:
+        *(NumberTex *)(void *)at = (NumberTex){number, node};
+        break;
+    case PARAM_PAIR_TEX:
+        *(PairTex *)(void *)at = (PairTex){pair, node};
+        break;
+    case PARAM_COLOR_TEX:
+        *(ColorTex *)(void *)at = (ColorTex){color, node};
+        break;
+    case PARAM_EMISSION:
+        *(Emission *)(void *)at = (Emission){color, DIM_NONE, node, true};
+        break;
+    case PARAM_NODE:
+        *(uint32_t *)(void *)at = node;
+        break;
+    case PARAM_CHOICE:
+        for (int32_t i = 0; param->choices[i]; ++i) {
+            if (strstr(text, param->choices[i])) {
+                *(int32_t *)(void *)at = i;
+            }
+        }
+        break;
+    default:
+        fail_msg("field `%s` has a type that the bench doesn't know", param->name);
+    }
+}
+
+// The parameters of a kind from fields like "ior=1.5 alpha=0.1,0.4 base=#2", defaults and finish
+// included; NULL where finish refused.
+static inline void *bench_params(Bench *bench, const char *kind, const char *fields, int *type_out)
+{
+    int index = schema_find(render_schema(), str_from(kind));
+    assert_true(index >= 0);
+    const NodeType *type = render_schema()->types[index];
+    void *params = arena_alloc_zeroed(&bench->arena, type->size + 1);
+    uint64_t set = 0;
+    for (size_t i = 0; i < type->param_count; ++i) {
+        const Param *param = &type->params[i];
+        if (param->default_text) {
+            bench_set(param, params, param->default_text);
+        }
+        for (const char *at = fields; (at = strstr(at, param->name)); ++at) {
+            size_t length = strlen(param->name);
+            if ((at == fields || at[-1] == ' ') && at[length] == '=') {
+                char text[128];
+                snprintf(text, sizeof text, "%.*s", (int)strcspn(at + length + 1, " "),
+                         at + length + 1);
+                bench_set(param, params, text);
+                set |= (uint64_t)1 << i;
+            }
+        }
+    }
+    *type_out = index;
+    bench->reports = 0;
+    NodeFinish finish = {.type = type,
+                         .params = params,
+                         .set = set,
+                         .scene = &bench->scene,
+                         .report = bench_report,
+                         .sink = &bench->sink,
+                         .caller = bench};
+    return !type->finish || type->finish(&finish) ? params : NULL;
+}
+
+// A new material, its id; NONE_ID where its finish refused it.
+static inline uint32_t bench_material(Bench *bench, const char *kind, const char *fields)
+{
+    int type;
+    void *params = bench_params(bench, kind, fields, &type);
+    if (!params) {
+        return NONE_ID;
+    }
+    const MaterialClass *class = (const MaterialClass *)(const void *)render_schema()->types[type];
+    uint32_t id = bench->world.material_count++;
+    assert_true(id < BENCH_MATERIALS);
+    assert_int_equal(
+        scene_add_node(&bench->scene, (uint16_t)type, params, (SceneNode){.material = NONE_ID}),
+        id);
+    bench->materials[id] = (WorldMaterial){.class = class, .params = params};
+    bench->materials[id].lobes = class->lobes(&bench->world, params);
+    bench->world.all_lobes |= bench->materials[id].lobes;
+    return id;
+}
+
+// A new texture, its id.
+static inline uint32_t bench_texture(Bench *bench, const char *kind, const char *fields)
+{
+    int type;
+    void *params = bench_params(bench, kind, fields, &type);
+    assert_non_null(params);
+    uint32_t id = scene_add_node(&bench->scene, (uint16_t)type, params, (SceneNode){0});
+    texture_set_free(bench->world.textures);
+    bench->world.textures = texture_set_build(&bench->scene, &bench->sink);
+    assert_non_null(bench->world.textures);
+    return id;
+}
+
+// The bench's surface seen from wo (in the frame of its normal).
+static inline ShadingPoint bench_point(Bench *bench, Vec3 wo)
+{
+    bench->surface.front = wo.z > 0;
+    return (ShadingPoint){.world = &bench->world,
+                          .surface = &bench->surface,
+                          .frame = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                          .geometric = {0, 0, 1},
+                          .wo = wo,
+                          .wo_side = wo.z};
+}
+
+static inline Vec3 direction(double theta_degrees, double phi_degrees)
+{
+    double t = theta_degrees * PI / 180, p = phi_degrees * PI / 180;
+    return vec3(sin(t) * cos(p), sin(t) * sin(p), cos(t));
+}
+
+// --- Numbers ------------------------------------------------------------------------------------
+
+typedef struct Random {
+    uint64_t state;
+} Random;
+static inline float random_next(Random *r)
+{
+    return (float)(hash_u64(r->state++) >> 40) * 0x1p-24f;
+}
+// Uniform over the sphere.
+static inline Vec3 random_direction(Random *r)
+{
+    double z = 2 * (double)random_next(r) - 1, phi = 2 * PI * (double)random_next(r);
+    double s = sqrt(1 - z * z);
+    return vec3(s * cos(phi), s * sin(phi), z);
+}
+static inline Vec3 random_hemisphere(Random *r)
+{
+    Vec3 w = random_direction(r);
+    w.z = fmax(fabs(w.z), 1e-4);
+    return normalize(w);
+}
+
+static inline bool near_relative(double a, double b, double tolerance)
+{
+    return fabs(a - b) <= tolerance * fmax(fabs(a), fabs(b));
+}
+
+#define assert_near(a, b, tolerance)                                                               \
+    do {                                                                                           \
+        double near_a = (a), near_b = (b);                                                         \
+        if (!(fabs(near_a - near_b) <= (tolerance))) {                                             \
+            fail_msg("%s = %.9g, not %.9g", #a, near_a, near_b);                                   \
+        }                                                                                          \
+    } while (0)
+
+// The regularised upper incomplete gamma function Q(a, x): the chance that a chi-squared variable
+// of 2a degrees of freedom exceeds 2x (Numerical Recipes, 6.2).
+static inline double gamma_q(double a, double x)
+{
+    if (x <= 0) {
+        return 1;
+    }
+    double scale_factor = exp(-x + a * log(x) - lgamma(a));
+    if (x < a + 1) {
+        double term = 1 / a, sum = term;
+        for (double n = a + 1; term > sum * 1e-15; ++n) {
+            sum += term *= x / n;
+        }
+        return 1 - sum * scale_factor;
+    }
+    double b = x + 1 - a, c = 1e300, d = 1 / b, h = d;
+    for (int i = 1; i < 100000; ++i) {
+        double an = -i * (i - a);
+        b += 2;
+        d = 1 / (an * d + b);
+        c = b + an / c;
+        h *= d * c;
+        if (fabs(d * c - 1) < 1e-15) {
+            break;
+        }
+    }
+    return scale_factor * h;
+}
+
+// A function of the direction.
+typedef double (*Spherical)(const void *context, Vec3 w);
+
+// Its integral over a box in (cos θ, φ): Gauss-Legendre of 3 x 3, split where the mean of its
+// corners differs by more than `tolerance` from it (which is far more than its own error is).
+static inline double integrate_box(Spherical f, const void *context, double z0, double z1,
+                                   double p0, double p1, double tolerance, int depth)
+{
+    static const double X[3] = {0.1127016653792583, 0.5, 0.8872983346207417};
+    static const double W[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+    double fine = 0, coarse = 0;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            double z = z0 + (z1 - z0) * X[i], p = p0 + (p1 - p0) * X[j];
+            double s = sqrt(fmax(0, 1 - z * z));
+            double v = f(context, vec3(s * cos(p), s * sin(p), z));
+            fine += W[i] * W[j] * v;
+            if (i != 1 && j != 1) {
+                coarse += 0.25 * v;
+            }
+        }
+    }
+    double area = (z1 - z0) * (p1 - p0);
+    if (depth == 0 || fabs(fine - coarse) * area <= tolerance) {
+        return fine * area;
+    }
+    double zm = 0.5 * (z0 + z1), pm = 0.5 * (p0 + p1);
+    double t = tolerance;
+    return integrate_box(f, context, z0, zm, p0, pm, t, depth - 1) +
+           integrate_box(f, context, zm, z1, p0, pm, t, depth - 1) +
+           integrate_box(f, context, z0, zm, pm, p1, t, depth - 1) +
+           integrate_box(f, context, zm, z1, pm, p1, t, depth - 1);
+}
+
+// --- Chi-squared: does sample follow pdf?
+// ---------------------------------------------------------
+
+enum { CHI2_Z = 80, CHI2_PHI = 160, CHI2_CELLS = CHI2_Z * CHI2_PHI };
+
+typedef struct PdfContext {
+    ShadingPoint point;
+    uint32_t material;
+} PdfContext;
+
+static inline double pdf_at(const void *context, Vec3 w)
+{
+    const PdfContext *c = context;
+    return (double)material_eval(&c->point, c->material, w).pdf;
+}
+
+// What sample does beside smooth directions: delta reflection, delta transmission, nothing.
+enum { CELL_DELTA_REFLECT = CHI2_CELLS, CELL_DELTA_TRANSMIT, CELL_NOTHING, CELL_COUNT };
+
+typedef struct Chi2 {
+    double observed[CELL_COUNT], expected[CELL_COUNT];
+} Chi2;
+
+static inline int compare_cells(const void *a, const void *b)
+{
+    const double *x = *(const double *const *)a, *y = *(const double *const *)b;
+    return (*x > *y) - (*x < *y);
+}
+
+// The p value, cells pooled where fewer than 5 are expected.
+static inline double chi2_p_value(const Chi2 *chi2)
+{
+    static const double *cells[CELL_COUNT];
+    for (int i = 0; i < CELL_COUNT; ++i) {
+        cells[i] = &chi2->expected[i];
+    }
+    qsort(cells, CELL_COUNT, sizeof *cells, compare_cells);
+    double sum = 0, pooled_expected = 0, pooled_observed = 0;
+    int degrees = -1;
+    for (int i = 0; i < CELL_COUNT; ++i) {
+        double e = *cells[i], o = chi2->observed[cells[i] - chi2->expected];
+        if (e < 5 || (pooled_expected > 0 && pooled_expected < 5)) {
+            pooled_expected += e, pooled_observed += o;
+        } else {
+            sum += (o - e) * (o - e) / e;
+            ++degrees;
+        }
+    }
+    if (pooled_expected >= 5) {
+        sum += (pooled_observed - pooled_expected) * (pooled_observed - pooled_expected) /
+               pooled_expected;
+        ++degrees;
+    } else if (pooled_observed > pooled_expected + 5 * sqrt(pooled_expected) + 5) {
+        return 0; // samples where the density is zero
+    }
+    return degrees > 0 ? gamma_q(0.5 * degrees, 0.5 * sum) : 1;
+}
+
+static inline double chi2_test(Bench *bench, uint32_t material, Vec3 wo, int samples, uint64_t seed)
+{
+    static Chi2 chi2;
+    memset(&chi2, 0, sizeof chi2);
+    PdfContext context = {bench_point(bench, wo), material};
+    double z_step = 2.0 / CHI2_Z, phi_step = 2 * PI / CHI2_PHI, total = 0;
+    for (int i = 0; i < CHI2_CELLS; ++i) {
+        double z = -1 + i / CHI2_PHI * z_step, phi = i % CHI2_PHI * phi_step;
+        chi2.expected[i] =
+            samples * integrate_box(pdf_at, &context, z, z + z_step, phi, phi + phi_step, 2e-8, 7);
+        total += chi2.expected[i];
+    }
+    Random random = {seed << 32};
+    for (int i = 0; i < samples; ++i) {
+        float lobe = random_next(&random), u = random_next(&random), v = random_next(&random);
+        BsdfSample s;
+        if (!material_sample(&context.point, material, lobe, u, v, &s)) {
+            ++chi2.observed[CELL_NOTHING];
+        } else if (s.lobes & LOBE_DELTA) {
+            int cell = s.wi.z * wo.z > 0 ? CELL_DELTA_REFLECT : CELL_DELTA_TRANSMIT;
+            ++chi2.observed[cell];
+            chi2.expected[cell] = samples * (double)s.pdf;
+        } else {
+            double phi = atan2(s.wi.y, s.wi.x);
+            int zi = (int)fmin((s.wi.z + 1) / z_step, CHI2_Z - 1);
+            int pi = (int)fmin((phi < 0 ? phi + 2 * PI : phi) / phi_step, CHI2_PHI - 1);
+            ++chi2.observed[zi * CHI2_PHI + pi];
+        }
+    }
+    total += chi2.expected[CELL_DELTA_REFLECT] + chi2.expected[CELL_DELTA_TRANSMIT];
+    if (total > samples * (1 + 1e-3)) {
+        fail_msg("the density integrates to %.6f", total / samples);
+    }
+    chi2.expected[CELL_NOTHING] = fmax(0, samples - total);
+    return chi2_p_value(&chi2);
+}
+
+// At five angles; `family` is the number of such calls in a test program: together they fail by
+// chance once in 100.
+static inline void check_chi2(Bench *bench, const char *what, uint32_t material, int samples,
+                              bool from_back, int family)
+{
+    static const double ANGLES[5][2] = {{0, 0}, {25, 40}, {50, -100}, {70, 160}, {85, 10}};
+    double level = 1 - pow(1 - 0.01, 1.0 / (5 * family));
+    for (uint64_t i = 0; i < 5; ++i) {
+        Vec3 wo = direction(ANGLES[i][0], ANGLES[i][1]);
+        wo.z = from_back ? -wo.z : wo.z;
+        double p = chi2_test(bench, material, wo, samples, i + 1);
+        if (p < level) {
+            fail_msg("%s at %g degrees%s: p = %.3g", what, ANGLES[i][0],
+                     from_back ? " from behind" : "", p);
+        }
+    }
+}
+
+// --- Other properties
+// -----------------------------------------------------------------------------
+
+// The weight and pdf of samples are those of eval; values are finite and not negative.
+static inline void check_weights(Bench *bench, const char *what, uint32_t material, int samples)
+{
+    Random random = {1};
+    for (int i = 0; i < samples; ++i) {
+        Vec3 wo = random_direction(&random);
+        float lobe = random_next(&random), u = random_next(&random), v = random_next(&random);
+        ShadingPoint point = bench_point(bench, wo);
+        BsdfSample s;
+        if (!material_sample(&point, material, lobe, u, v, &s)) {
+            continue;
+        }
+        if (!rgb_is_finite(s.weight) || s.weight.r < 0 || !(s.pdf > 0) ||
+            fabs(length(s.wi) - 1) > 1e-9) {
+            fail_msg("%s: bad sample of weight %g, pdf %g, length %.12g", what, (double)s.weight.r,
+                     (double)s.pdf, length(s.wi));
+        }
+        if (s.lobes & LOBE_DELTA) {
+            continue;
+        }
+        BsdfEval e = material_eval(&point, material, s.wi);
+        if (!near_relative((double)e.pdf, (double)s.pdf, 1e-3) ||
+            !near_relative((double)(e.value.g / e.pdf), (double)s.weight.g, 1e-3)) {
+            fail_msg("%s: pdf %g and weight %g, but eval says %g and %g", what, (double)s.pdf,
+                     (double)s.weight.g, (double)e.pdf, (double)(e.value.g / e.pdf));
+        }
+    }
+}
+
+// f(wo, wi) eta_wi² = f(wi, wo) eta_wo², to relative 1e-5, where eta belongs to the side.
+static inline void check_reciprocity(Bench *bench, const char *what, uint32_t material, int pairs,
+                                     double eta_front, double eta_back)
+{
+    Random random = {7};
+    bool transmits = material_lobes(&bench->world, material) & LOBE_TRANSMIT;
+    int found = 0;
+    for (int i = 0; i < pairs; ++i) {
+        Vec3 wo = random_direction(&random), wi = random_direction(&random);
+        if (!transmits && wo.z * wi.z < 0) {
+            wi.z = -wi.z;
+        }
+        if (fabs(wo.z) < 1e-3 || fabs(wi.z) < 1e-3) {
+            continue;
+        }
+        ShadingPoint a = bench_point(bench, wo);
+        double there = (double)material_eval(&a, material, wi).value.g / fabs(wi.z);
+        ShadingPoint b = bench_point(bench, wi);
+        double back = (double)material_eval(&b, material, wo).value.g / fabs(wo.z);
+        double eta_i = wi.z > 0 ? eta_front : eta_back, eta_o = wo.z > 0 ? eta_front : eta_back;
+        found += there > 0;
+        if (!near_relative(there * eta_i * eta_i, back * eta_o * eta_o, 1e-5) &&
+            fabs(there - back) > 1e-12) {
+            fail_msg("%s: f = %.9g there and %.9g back, wo.z %g, wi.z %g", what, there, back, wo.z,
+                     wi.z);
+        }
+    }
+    assert_true(found > pairs / 100);
+}
+
+// The part of light from all around that goes to wo, in each channel: the mean of the weights. A
+// weight counts eta² times where light is squeezed, so that glass gives back 1.
+static inline Rgb albedo_by_sampling(Bench *bench, uint32_t material, Vec3 wo, int samples,
+                                     double *error)
+{
+    ShadingPoint point = bench_point(bench, wo);
+    double sum[3] = {0}, squares = 0;
+    for (int i = 0; i < samples; ++i) {
+        // A Kronecker sequence (Roberts 2018: R3).
+        float n[3];
+        static const double STEP[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+        for (int k = 0; k < 3; ++k) {
+            double x = 0.5 + (i + 1) * STEP[k];
+            n[k] = fminf((float)(x - floor(x)), 0x1.fffffep-1f);
+        }
+        BsdfSample s;
+        if (material_sample(&point, material, n[0], n[1], n[2], &s)) {
+            double e2 = (double)(s.eta * s.eta);
+            sum[0] += (double)s.weight.r * e2;
+            sum[1] += (double)s.weight.g * e2;
+            sum[2] += (double)s.weight.b * e2;
+            squares += (double)s.weight.g * e2 * (double)s.weight.g * e2;
+        }
+    }
+    double mean = sum[1] / samples;
+    if (error) {
+        *error = sqrt(fmax(0, squares / samples - mean * mean) / samples);
+    }
+    return rgb((float)(sum[0] / samples), (float)(sum[1] / samples), (float)(sum[2] / samples));
+}
+
+// No angle gives back more than arrives, nor less than `least`.
+static inline void check_energy(Bench *bench, const char *what, uint32_t material, double least,
+                                int samples)
+{
+    for (double theta = 0; theta < 90; theta += 5.97) {
+        for (int back = 0; back < 2; ++back) {
+            Vec3 wo = direction(theta, 30);
+            wo.z = back ? -wo.z : wo.z;
+            double error;
+            Rgb albedo = albedo_by_sampling(bench, material, wo, samples, &error);
+            if ((double)rgb_max(albedo) > 1 + 3 * error + 1e-4 ||
+                (double)albedo.g < least - 3 * error) {
+                fail_msg("%s at %g degrees: albedo %g +- %g", what, theta, (double)albedo.g, error);
+            }
+        }
+    }
+}
+
+#endif
