@@ -214,8 +214,11 @@ static inline Value fail(Diag *diag)
     (void)diag;
     return value_error();
 }
-// False, after a report at `at`, when the C stack is nearly used up.
-bool stack_is_deep(Eval *ev);
+// True when the C stack is nearly used up; then report_deep_stack, which gives false.
+static inline bool stack_is_deep(const Eval *ev)
+{
+    return (uintptr_t)__builtin_frame_address(0) < ev->stack_floor;
+}
 bool report_deep_stack(Eval *ev, Span at);
 // Stops; what was begun becomes an error, silently.
 void stop_evaluation(Eval *ev, Stop stop);

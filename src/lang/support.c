@@ -61,11 +61,6 @@ void attach_calls(Eval *ev, uint32_t from)
     }
 }
 
-bool stack_is_deep(Eval *ev)
-{
-    return (uintptr_t)__builtin_frame_address(0) < ev->stack_floor;
-}
-
 bool report_deep_stack(Eval *ev, Span at)
 {
     if (!ev->stop) {

@@ -1,0 +1,339 @@
+// Runs .scn programs and holds them to what they say in comments:
+//
+//     // expect: text          what print() writes, line by line, in order
+//     // set: name=value       a setting, as --set
+//     // limit: name=N         a limit, as --limit
+//     // count: shapes=3       what the scene holds then: a category's plural, or instances,
+//                              prototypes, transforms, meshes
+//     //! text                 the diagnostics, exactly as written to a pipe; or, for programs whose
+//                              last byte matters, the file PROGRAM.txt beside
+//
+// usage: run [--update] FILE|FOLDER…    Files in folders called lib are not programs but imported.
+// --update writes the diagnostics into the programs instead of comparing.
+#include "lang/lang.h"
+#include "render/render.h"
+
+#include <dirent.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct Text {
+    char *at;
+    size_t length;
+} Text;
+
+typedef struct Program {
+    char path[PATH_MAX];
+    Text source;
+    Text expected_print, expected_diagnostics;
+    char *settings[16];
+    size_t setting_count;
+    Limits limits;
+    char *counts[32];
+    size_t count_count;
+} Program;
+
+static void append(Text *text, const char *bytes, size_t length)
+{
+    text->at = realloc(text->at, text->length + length + 1);
+    if (!text->at) {
+        abort();
+    }
+    memcpy(text->at + text->length, bytes, length);
+    text->length += length;
+    text->at[text->length] = '\0';
+}
+
+static bool read_text(const char *path, Text *out)
+{
+    *out = (Text){0};
+    append(out, "", 0);
+    FILE *file = fopen(path, "rb");
+    if (!file) {
+        return false;
+    }
+    char buffer[4096];
+    for (size_t n; (n = fread(buffer, 1, sizeof buffer, file)) > 0;) {
+        append(out, buffer, n);
+    }
+    fclose(file);
+    return true;
+}
+
+// The rest of a line after `key`, or NULL.
+static const char *after(const char *line, const char *end, const char *key)
+{
+    size_t length = strlen(key);
+    for (const char *at = line; at + length <= end; ++at) {
+        if (memcmp(at, key, length) == 0) {
+            return at + length;
+        }
+    }
+    return NULL;
+}
+
+static char *copy_rest(const char *begin, const char *end)
+{
+    return strndup(begin, (size_t)(end - begin));
+}
+
+static void read_expectations(Program *program)
+{
+    const char *at = program->source.at, *stop = at + program->source.length;
+    while (at < stop) {
+        const char *end = memchr(at, '\n', (size_t)(stop - at));
+        end = end ? end : stop;
+        const char *rest;
+        if (strncmp(at, "//!", 3) == 0) {
+            const char *from = at + 3 + (at[3] == ' ');
+            append(&program->expected_diagnostics, from, (size_t)(end - from));
+            append(&program->expected_diagnostics, "\n", 1);
+        } else if ((rest = after(at, end, "// expect: ")) != NULL) {
+            append(&program->expected_print, rest, (size_t)(end - rest));
+            append(&program->expected_print, "\n", 1);
+        } else if ((rest = after(at, end, "// set: ")) && program->setting_count < 16) {
+            program->settings[program->setting_count++] = copy_rest(rest, end);
+        } else if ((rest = after(at, end, "// count: ")) && program->count_count < 32) {
+            program->counts[program->count_count++] = copy_rest(rest, end);
+        } else if ((rest = after(at, end, "// limit: ")) != NULL) {
+            Str assignment = {rest, (size_t)(end - rest)};
+            if (!limits_set(&program->limits, assignment)) {
+                printf("%s: bad limit\n", program->path);
+            }
+        }
+        at = end + 1;
+    }
+    Text beside;
+    char path[PATH_MAX + 8];
+    snprintf(path, sizeof path, "%s.txt", program->path);
+    if (read_text(path, &beside)) {
+        free(program->expected_diagnostics.at);
+        program->expected_diagnostics = beside;
+    } else {
+        free(beside.at);
+    }
+}
+
+static void free_program(Program *program)
+{
+    for (size_t i = 0; i < program->setting_count; ++i) {
+        free(program->settings[i]);
+    }
+    for (size_t i = 0; i < program->count_count; ++i) {
+        free(program->counts[i]);
+    }
+    free(program->source.at);
+    free(program->expected_print.at);
+    free(program->expected_diagnostics.at);
+}
+
+// --- Running ---------------------------------------------------------------------------------
+
+static long count_of(const Scene *scene, const char *what)
+{
+    for (int category = 0; category < CATEGORY_COUNT; ++category) {
+        size_t length = strlen(category_name((Category)category));
+        if (strncmp(what, category_name((Category)category), length) == 0 && what[length] == 's') {
+            return (long)scene->nodes[category].count;
+        }
+    }
+    return strncmp(what, "instances", 9) == 0      ? (long)scene->instances.count
+           : strncmp(what, "prototypes", 10) == 0 ? (long)scene->prototypes.count - 1
+           : strncmp(what, "transforms", 10) == 0 ? (long)scene->transforms.count
+           : strncmp(what, "meshes", 6) == 0      ? (long)scene->meshes.count
+                                                  : -1;
+}
+
+static bool check_counts(const Program *program, const Scene *scene)
+{
+    bool good = true;
+    for (size_t i = 0; i < program->count_count; ++i) {
+        char *rest = program->counts[i];
+        for (char *word; (word = strtok_r(rest, " ", &rest)) != NULL;) {
+            const char *equals = strchr(word, '=');
+            long wanted = equals ? strtol(equals + 1, NULL, 10) : -2, is = count_of(scene, word);
+            if (wanted != is) {
+                printf("%s: count: %s, but there are %ld\n", program->path, word, is);
+                good = false;
+            }
+        }
+    }
+    return good;
+}
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+typedef struct Outcome {
+    char *print, *diagnostics;
+    size_t print_size, diagnostics_size;
+    bool good, counts_good;
+} Outcome;
+
+static bool run_program(const Program *program, Outcome *outcome)
+{
+    Sandbox sandbox;
+    Lang lang;
+    Scene scene;
+    char folder[PATH_MAX];
+    *outcome = (Outcome){0};
+    snprintf(folder, sizeof folder, "%s", program->path);
+    *strrchr(folder, '/') = '\0';
+    sandbox_init(&sandbox);
+    if (sandbox_allow(&sandbox, folder) != IO_OK ||
+        !lang_init(&lang, render_schema(), &sandbox) ||
+        !scene_init(&scene, render_schema(), &sandbox)) {
+        return false;
+    }
+    ParamSetting settings[16];
+    for (size_t i = 0; i < program->setting_count; ++i) {
+        const char *equals = strchr(program->settings[i], '=');
+        settings[i] = (ParamSetting){
+            {program->settings[i], (size_t)(equals - program->settings[i])}, str_from(equals + 1)};
+    }
+    lang.limits = program->limits;
+    lang.settings = settings;
+    lang.setting_count = program->setting_count;
+    lang.print_to = open_memstream(&outcome->print, &outcome->print_size);
+    outcome->good = lang_load(&lang, program->path, base_name(program->path), &scene);
+    outcome->counts_good = check_counts(program, &scene);
+    fclose(lang.print_to);
+    FILE *diagnostics = open_memstream(&outcome->diagnostics, &outcome->diagnostics_size);
+    diag_write_text(&lang.sink, &lang.sources, diagnostics, DIAG_PLAIN);
+    fclose(diagnostics);
+    scene_free(&scene);
+    lang_free(&lang);
+    sandbox_free(&sandbox);
+    return true;
+}
+
+static bool compare(const Program *program, const char *what, Text expected, const char *is)
+{
+    const char *wanted = expected.at ? expected.at : "";
+    if (strcmp(wanted, is) == 0) {
+        return true;
+    }
+    printf("%s: %s differ\n--- expected\n%s--- found\n%s---\n", program->path, what, wanted, is);
+    return false;
+}
+
+static void write_lines(FILE *out, const char *text)
+{
+    while (*text) {
+        size_t length = strcspn(text, "\n");
+        fprintf(out, length ? "//! %.*s\n" : "//!%.*s\n", (int)length, text);
+        text += length + (text[length] == '\n');
+    }
+}
+
+// Puts the diagnostics at the end of the program in place of those there.
+static void update(const Program *program, const Outcome *outcome)
+{
+    char beside[PATH_MAX + 8];
+    snprintf(beside, sizeof beside, "%s.txt", program->path);
+    struct stat info;
+    if (stat(beside, &info) == 0) {
+        FILE *out = fopen(beside, "wb");
+        fwrite(outcome->diagnostics, 1, outcome->diagnostics_size, out);
+        fclose(out);
+        return;
+    }
+    const char *marks = strstr(program->source.at, "\n//!");
+    size_t keep = marks ? (size_t)(marks + 1 - program->source.at) : program->source.length;
+    FILE *out = fopen(program->path, "wb");
+    if (!out) {
+        return;
+    }
+    fwrite(program->source.at, 1, keep, out);
+    write_lines(out, outcome->diagnostics);
+    fclose(out);
+}
+
+static bool test_program(const char *path, bool updating)
+{
+    Program program = {.limits = limits_default()};
+    Outcome outcome;
+    snprintf(program.path, sizeof program.path, "%s", path);
+    if (!read_text(path, &program.source)) {
+        printf("%s: can't be read\n", path);
+        return false;
+    }
+    read_expectations(&program);
+    bool good = run_program(&program, &outcome);
+    if (updating && good) {
+        update(&program, &outcome);
+    } else if (good) {
+        good = compare(&program, "diagnostics", program.expected_diagnostics, outcome.diagnostics);
+    }
+    good = good && outcome.counts_good &&
+           compare(&program, "printed lines", program.expected_print, outcome.print);
+    free(outcome.print);
+    free(outcome.diagnostics);
+    free_program(&program);
+    return good;
+}
+
+// --- Folders ---------------------------------------------------------------------------------
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static bool ends_with(const char *text, const char *end)
+{
+    size_t length = strlen(text), tail = strlen(end);
+    return length >= tail && strcmp(text + length - tail, end) == 0;
+}
+
+static void test_folder(const char *folder, bool updating, size_t *count, size_t *failed)
+{
+    char *names[4096];
+    size_t name_count = 0;
+    DIR *listing = opendir(folder);
+    if (!listing) {
+        printf("%s: can't be read\n", folder);
+        ++*failed;
+        return;
+    }
+    for (struct dirent *entry; (entry = readdir(listing)) && name_count < 4096;) {
+        if (ends_with(entry->d_name, ".scn")) {
+            names[name_count++] = strdup(entry->d_name);
+        }
+    }
+    closedir(listing);
+    qsort(names, name_count, sizeof *names, compare_names);
+    for (size_t i = 0; i < name_count; ++i) {
+        char path[PATH_MAX];
+        snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+        *failed += !test_program(path, updating);
+        ++*count;
+        free(names[i]);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    bool updating = argc > 1 && strcmp(argv[1], "--update") == 0;
+    size_t count = 0, failed = 0;
+    for (int i = 1 + updating; i < argc; ++i) {
+        char path[PATH_MAX];
+        struct stat info;
+        if (!realpath(argv[i], path) || stat(path, &info) != 0) {
+            printf("%s: can't be read\n", argv[i]);
+            ++failed;
+        } else if (S_ISDIR(info.st_mode)) {
+            test_folder(path, updating, &count, &failed);
+        } else {
+            failed += !test_program(path, updating);
+            ++count;
+        }
+    }
+    printf("%zu programs, %zu failed\n", count, failed);
+    return failed || !count ? 1 : 0;
+}
