@@ -63,9 +63,9 @@ Value builtin_hsv(Call *call)
     if (!arg_angle(call, 0, &hue) || !arg_bare(call, 1, &s) || !arg_bare(call, 2, &v)) {
         return value_error();
     }
-    double turns = hue / (2 * PI), c[3];
+    double sixths = hue / (PI / 3), c[3];
     for (int i = 0; i < 3; ++i) {
-        double k = 6 * (turns + (5 - 2 * i) / 6.0);
+        double k = sixths + 5 - 2 * i;
         k -= 6 * floor(k / 6);
         c[i] = v - v * s * fmax(0, fmin(fmin(k, 4 - k), 1));
     }

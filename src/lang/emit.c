@@ -515,10 +515,15 @@ Value collect_items(Eval *ev, Env *env, const uint32_t *items, uint32_t count)
     if (ev->sink->errors != errors) {
         return value_error();
     }
+    if (ev->group_type < 0) {
+        return value_error();
+    }
     NodeValue *group = ARENA_NEW(ev->arena, NodeValue);
     group->type = (uint16_t)ev->group_type;
     group->scene_id = NONE_ID;
+    group->name = STR("");
+    group->raw = group->params = (void *)(uintptr_t)kind_defaults(ev, group->type);
     group->items = list.items;
     group->item_count = list.count;
-    return ev->group_type < 0 ? value_error() : value_node(group);
+    return value_node(group);
 }

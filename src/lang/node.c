@@ -255,7 +255,8 @@ static bool build_items(Eval *ev, Env *env, uint32_t list, NodeValue *group, boo
 static void begin_node(Eval *ev, NodeValue *out, uint32_t type, const char *defaults, Span at)
 {
     size_t size = ev->kinds[type].type->size;
-    *out = (NodeValue){.type = (uint16_t)type, .scene_id = NONE_ID, .color = {1, 1, 1}, .at = at};
+    *out = (NodeValue){
+        .name = STR(""), .type = (uint16_t)type, .scene_id = NONE_ID, .color = {1, 1, 1}, .at = at};
     out->params = arena_alloc(ev->arena, size);
     memcpy(out->params, defaults, size);
 }

@@ -65,18 +65,6 @@ static const ParamKind *find_kind(Eval *ev, const ParamWords *words)
     return NULL;
 }
 
-// Without a declared type, that of the default.
-static const ParamKind *kind_of(Value v)
-{
-    for (int i = 1; i < PARAM_KIND_COUNT; ++i) {
-        if (param_kinds[i].type == (ValueType)v.type &&
-            (v.type != VALUE_NUMBER || param_kinds[i].dim == (Dim)v.dim)) {
-            return &param_kinds[i];
-        }
-    }
-    return NULL;
-}
-
 // A bare number is in the SI unit of the type, except for angles: as in fields.
 static bool coerce(Eval *ev, const ParamKind *kind, const char *name, Value *v, Where where)
 {
@@ -298,12 +286,8 @@ Value eval_param(Eval *ev, Env *env, AstId item)
     const char *name = symbol_name(ev->names, symbol).at;
     Where where = {module, words.value};
     Value v = words.value ? eval(ev, env, words.value) : value_error();
-    const ParamKind *kind = words.type ? find_kind(ev, &words) : kind_of(v);
+    const ParamKind *kind = find_kind(ev, &words);
     if (!kind) {
-        if (!words.type && !is_error(v)) {
-            report(ev, E0414, where_span(where),
-                   "a param is a number, bool, string, color or vector");
-        }
         return value_error();
     }
     // The default has to be sound even where a setting replaces it.
@@ -389,7 +373,7 @@ static void json_param(Eval *ev, Env *env, uint32_t slot, AstId item, FILE *out)
     ParamWords words = param_words(env->module, item);
     Value v = force_slot(ev, env, slot, item);
     Value standard = eval(ev, env, words.value);
-    const ParamKind *kind = words.type ? find_kind(ev, &words) : kind_of(v);
+    const ParamKind *kind = find_kind(ev, &words);
     if (kind && standard.type == VALUE_NUMBER && standard.dim == DIM_NONE) {
         standard.dim = (uint8_t)kind->dim;
     }

@@ -5,7 +5,8 @@
 //     // limit: name=N         a limit, as --limit
 //     // count: shapes=3       what the scene holds then: a category's plural, or instances,
 //                              prototypes, transforms, meshes
-//     //! text                 the diagnostics, exactly as written to a pipe; or, for programs whose
+//     //! text                 the diagnostics, exactly as written to a pipe; or, for programs
+//     whose
 //                              last byte matters, the file PROGRAM.txt beside
 //
 // usage: run [--update] FILE|FOLDER…    Files in folders called lib are not programs but imported.
@@ -25,7 +26,7 @@ typedef struct Text {
 } Text;
 
 typedef struct Program {
-    char path[PATH_MAX];
+    char path[PATH_MAX + 256];
     Text source;
     Text expected_print, expected_diagnostics;
     char *settings[16];
@@ -106,7 +107,7 @@ static void read_expectations(Program *program)
         at = end + 1;
     }
     Text beside;
-    char path[PATH_MAX + 8];
+    char path[PATH_MAX + 512];
     snprintf(path, sizeof path, "%s.txt", program->path);
     if (read_text(path, &beside)) {
         free(program->expected_diagnostics.at);
@@ -139,7 +140,7 @@ static long count_of(const Scene *scene, const char *what)
             return (long)scene->nodes[category].count;
         }
     }
-    return strncmp(what, "instances", 9) == 0      ? (long)scene->instances.count
+    return strncmp(what, "instances", 9) == 0     ? (long)scene->instances.count
            : strncmp(what, "prototypes", 10) == 0 ? (long)scene->prototypes.count - 1
            : strncmp(what, "transforms", 10) == 0 ? (long)scene->transforms.count
            : strncmp(what, "meshes", 6) == 0      ? (long)scene->meshes.count
@@ -180,13 +181,12 @@ static bool run_program(const Program *program, Outcome *outcome)
     Sandbox sandbox;
     Lang lang;
     Scene scene;
-    char folder[PATH_MAX];
+    char folder[PATH_MAX + 256];
     *outcome = (Outcome){0};
     snprintf(folder, sizeof folder, "%s", program->path);
     *strrchr(folder, '/') = '\0';
     sandbox_init(&sandbox);
-    if (sandbox_allow(&sandbox, folder) != IO_OK ||
-        !lang_init(&lang, render_schema(), &sandbox) ||
+    if (sandbox_allow(&sandbox, folder) != IO_OK || !lang_init(&lang, render_schema(), &sandbox) ||
         !scene_init(&scene, render_schema(), &sandbox)) {
         return false;
     }
@@ -234,7 +234,7 @@ static void write_lines(FILE *out, const char *text)
 // Puts the diagnostics at the end of the program in place of those there.
 static void update(const Program *program, const Outcome *outcome)
 {
-    char beside[PATH_MAX + 8];
+    char beside[PATH_MAX + 512];
     snprintf(beside, sizeof beside, "%s.txt", program->path);
     struct stat info;
     if (stat(beside, &info) == 0) {
@@ -309,7 +309,7 @@ static void test_folder(const char *folder, bool updating, size_t *count, size_t
     closedir(listing);
     qsort(names, name_count, sizeof *names, compare_names);
     for (size_t i = 0; i < name_count; ++i) {
-        char path[PATH_MAX];
+        char path[PATH_MAX + 256];
         snprintf(path, sizeof path, "%s/%s", folder, names[i]);
         *failed += !test_program(path, updating);
         ++*count;
