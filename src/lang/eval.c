@@ -291,9 +291,8 @@ Value eval_index(Eval *ev, Env *env, AstId id)
                            describe_value(ev, v, found, sizeof found)));
     }
     if (!is_bare(index) || index.number != floor(index.number)) {
-        return fail(report(ev, E0412, env_span(env, node->b),
-                           "an index is a whole number, this is %s",
-                           describe_value(ev, index, found, sizeof found)));
+        report_not_whole(ev, env_span(env, node->b), "an index is a whole number", index);
+        return value_error();
     }
     uint32_t count = v.type == VALUE_VECTOR ? v.small : v.count;
     if (!(index.number >= 0 && index.number < count)) {
@@ -355,8 +354,8 @@ Value eval_member(Eval *ev, Env *env, AstId id)
     char text[DESCRIBE_SIZE];
     Span at = env_span(env, id);
     at.begin = at.end - (uint32_t)name.length;
-    Diag *diag = report(ev, E0308, at, "%s has no member `%s`",
-                        describe_value(ev, v, text, sizeof text), name.at);
+    Diag *diag = report(ev, E0308, at, "`%s` is not a member of %s", name.at,
+                        describe_value(ev, v, text, sizeof text));
     if (names) {
         diag_label(ev->sink, diag, "it has %s", names);
     } else if (v.type == VALUE_NODE) {

@@ -263,6 +263,8 @@ Value eval_member(Eval *ev, Env *env, AstId id);
 Value eval_index(Eval *ev, Env *env, AstId id);
 
 // operators.c
+// E0412, with the number that isn't whole or what else it is.
+void report_not_whole(Eval *ev, Span at, const char *rule, Value v);
 Value eval_unary(Eval *ev, Env *env, AstId id);
 Value eval_binary(Eval *ev, Env *env, AstId id);
 Value eval_range(Eval *ev, Env *env, AstId id);

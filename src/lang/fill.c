@@ -2,6 +2,7 @@
 #include "lang/eval.h"
 
 #include <stdio.h>
+#include <unistd.h>
 
 const char *keep_string(Eval *ev, Str text)
 {
@@ -73,7 +74,13 @@ bool wrong_type(Eval *ev, const Param *param, Value v, Where where)
 static bool wrong_dim(Eval *ev, const Param *param, Value v, Where where)
 {
     char wanted[DESCRIBE_SIZE * 2], found[DESCRIBE_SIZE], fix[80];
-    describe_param(param, wanted, sizeof wanted);
+    uint32_t named = param->dims & ~DIM_BIT(DIM_NONE);
+    if (v.type == VALUE_VECTOR && named) {
+        snprintf(wanted, sizeof wanted, "a vector with the dimension %s",
+                 dim_info((Dim)__builtin_ctz(named))->name);
+    } else {
+        describe_param(param, wanted, sizeof wanted);
+    }
     describe_value(ev, v, found, sizeof found);
     bool needs_angle = v.dim == DIM_NONE && (param->dims & DIM_BIT(DIM_ANGLE));
     Diag *diag =
@@ -252,6 +259,21 @@ static bool take_choice(Eval *ev, const Param *param, Value v, Where where, int3
     return false;
 }
 
+// Whether the file is there and may be read; once for each.
+static IoError check_file(Eval *ev, const char *path)
+{
+    int fd;
+    uint64_t size;
+    if (interned(&ev->strings, str_from(path))) {
+        return IO_OK; // it was checked
+    }
+    IoError error = sandbox_open(ev->lang->sandbox, path, &fd, &size);
+    if (error == IO_OK) {
+        close(fd);
+    }
+    return error;
+}
+
 // A name in a file is relative to that file, wherever the string was passed on to.
 static bool take_file(Eval *ev, const Param *param, Value v, Where where, const char **out)
 {
@@ -263,6 +285,7 @@ static bool take_file(Eval *ev, const Param *param, Value v, Where where, const 
     const char *path;
     IoError error =
         sandbox_resolve(ev->lang->sandbox, ev->arena, from, (Str){v.string, v.count}, &path);
+    error = error == IO_OK ? check_file(ev, path) : error;
     if (error == IO_NO_MEMORY) {
         out_of_memory(ev);
     }

@@ -226,7 +226,7 @@ static inline bool skip_blanks(Lexer *lexer)
     bool new_line = lexer->at == lexer->begin;
     const char *at = lexer->at, *end = lexer->end;
     at += at < end && *at == ' ';
-    if (at < end && *at > '/') { // nothing or one blank, then a name, a number, most marks
+    if (at<end && * at> '/') { // nothing or one blank, then a name, a number, most marks
         lexer->at = at;
         return new_line;
     }

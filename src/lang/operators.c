@@ -64,9 +64,14 @@ static Value wrong_dims(Eval *ev, Operator op, Value a, Value b, Span at)
     char left[DESCRIBE_SIZE], right[DESCRIBE_SIZE];
     describe_value(ev, a, left, sizeof left);
     describe_value(ev, b, right, sizeof right);
-    Diag *diag = report(ev, E0402, at, "`%s` doesn't take %s and %s: their dimensions differ",
+    bool is_product = op == OP_MULTIPLY || op == OP_DIVIDE || op == OP_POWER;
+    Diag *diag = report(ev, E0402, at,
+                        is_product ? "`%s` has no meaning for %s and %s"
+                                   : "`%s` doesn't take %s and %s: their dimensions differ",
                         operator_text(op), left, right);
-    if (op == OP_MULTIPLY || op == OP_DIVIDE || op == OP_POWER) {
+    if (op == OP_POWER) {
+        diag_note(ev->sink, diag, "powers are of numbers without a unit");
+    } else if (is_product) {
         diag_note(ev->sink, diag,
                   "a number without a unit scales anything, and a ratio of equals has no unit; "
                   "products of quantities have no meaning here");
@@ -409,6 +414,18 @@ Value eval_unary(Eval *ev, Env *env, AstId id)
                        describe_value(ev, v, found, sizeof found)));
 }
 
+void report_not_whole(Eval *ev, Span at, const char *rule, Value v)
+{
+    char found[DESCRIBE_SIZE];
+    TextBuffer text = {0};
+    if (v.type == VALUE_NUMBER) {
+        text_add_value(ev, &text, v, true);
+    } else {
+        text_add(ev, &text, "%s", describe_value(ev, v, found, sizeof found));
+    }
+    report(ev, E0412, at, "%s, this is %s", rule, text.text);
+}
+
 static bool range_end(Eval *ev, Env *env, AstId id, double *out)
 {
     Value v = eval(ev, env, id);
@@ -417,9 +434,7 @@ static bool range_end(Eval *ev, Env *env, AstId id, double *out)
         return true;
     }
     if (!is_error(v)) {
-        char found[DESCRIBE_SIZE];
-        report(ev, E0412, env_span(env, id), "the ends of a range are whole numbers, this is %s",
-               describe_value(ev, v, found, sizeof found));
+        report_not_whole(ev, env_span(env, id), "the ends of a range are whole numbers", v);
     }
     return false;
 }

@@ -237,11 +237,19 @@ static bool is_word(Str text)
 }
 
 // The setting's text as a file of its own, `let name = text`, which sees built-ins only.
-static Value parse_setting(Eval *ev, const ParamSetting *setting, Where *where)
+static Value setting_value(Eval *ev, const ParamSetting *setting, const ParamKind *kind,
+                           Where *where)
 {
     TextBuffer text = {0};
-    text_add(ev, &text, "let %.*s = %.*s", (int)setting->name.length, setting->name.at,
-             (int)setting->value.length, setting->value.at);
+    text_add(ev, &text, "let %.*s = ", (int)setting->name.length, setting->name.at);
+    Str given = setting->value;
+    bool is_quoted = given.length && given.at[0] == '"';
+    if (!is_quoted && (kind->type == VALUE_STRING || is_word(given))) {
+        Value string = {.type = VALUE_STRING, .count = (uint32_t)given.length, .string = given.at};
+        text_add_value(ev, &text, string, true);
+    } else {
+        text_add(ev, &text, "%.*s", (int)given.length, given.at);
+    }
     for (size_t i = 0; i < 4 + setting->name.length; ++i) {
         text.text[i] = text.text[i] == '.' ? '_' : text.text[i];
     }
@@ -267,17 +275,6 @@ static Value parse_setting(Eval *ev, const ParamSetting *setting, Where *where)
     return force_slot(ev, module->env, 0, item);
 }
 
-static Value setting_value(Eval *ev, const ParamSetting *setting, const ParamKind *kind,
-                           Where *where)
-{
-    Str text = setting->value;
-    bool quoted = text.length && text.at[0] == '"';
-    if (!quoted && (kind->type == VALUE_STRING || is_word(text))) {
-        return make_string(ev, text, where->module->number);
-    }
-    return parse_setting(ev, setting, where);
-}
-
 Value eval_param(Eval *ev, Env *env, AstId item)
 {
     Module *module = env->module;
@@ -295,7 +292,6 @@ Value eval_param(Eval *ev, Env *env, AstId item)
                 check_param_range(ev, env, item, v, where);
     const ParamSetting *setting = find_setting(ev, module, symbol);
     if (good && setting) {
-        where = (Where){module, item};
         v = setting_value(ev, setting, kind, &where);
         good = !is_error(v) && coerce(ev, kind, name, &v, where) &&
                check_param_range(ev, env, item, v, where);

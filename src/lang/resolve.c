@@ -521,7 +521,8 @@ static void declare_item(Resolver *r, AstId id)
     }
     Symbol name = item_symbol(r->module, id);
     Span at = item_name_span(r->module, id);
-    scope_declare(r, name, binding_kind(tag), id, at)->quiet = is_file && r->module->is_library;
+    bool is_missing = tag == AST_IMPORT && node_at(r, id)->aux == 0; // reported
+    scope_declare(r, name, binding_kind(tag), id, at)->quiet = is_missing;
     if (is_file && !array_push(&r->module->globals, (Global){name, id, false})) {
         out_of_memory(r->ev);
     }

@@ -43,7 +43,7 @@ static Span binding_span(const Resolver *r, const Binding *binding)
 static void warn_if_unused(Resolver *r, const Binding *binding)
 {
     Str name = symbol_name(r->ev->names, binding->name);
-    if (binding->used || binding->quiet || r->module->failed ||
+    if (binding->used || binding->quiet || r->module->failed || r->module->is_library ||
         (name.length && name.at[0] == '_')) {
         return;
     }
@@ -77,8 +77,9 @@ static bool may_hide(const Resolver *r, BindingKind kind, const Binding *outer)
     }
 }
 
-static void report_taken(Resolver *r, Symbol name, BindingKind kind, const Binding *taken, Span at)
+static void report_taken(Resolver *r, Symbol name, BindingKind kind, Binding *taken, Span at)
 {
+    taken->used = true; // as far as anyone can tell
     Eval *ev = r->ev;
     const char *text = symbol_name(ev->names, name).at;
     Place place = source_place(&ev->lang->sources, r->module->file, binding_span(r, taken).begin);
@@ -112,9 +113,11 @@ static void push_binding(Resolver *r, Binding binding)
 Binding *scope_declare(Resolver *r, Symbol name, BindingKind kind, AstId item, Span at)
 {
     uint32_t hidden = r->current[name];
+    bool is_taken = false;
     if (hidden) {
-        const Binding *outer = &r->bindings[hidden];
-        if (outer->scope == r->scope || !may_hide(r, kind, outer)) {
+        Binding *outer = &r->bindings[hidden];
+        is_taken = outer->scope == r->scope || !may_hide(r, kind, outer);
+        if (is_taken) {
             report_taken(r, name, kind, outer, at);
         }
     }
@@ -125,7 +128,8 @@ Binding *scope_declare(Resolver *r, Symbol name, BindingKind kind, AstId item, S
                        .item = item,
                        .frame = r->frame,
                        .function = r->function,
-                       .kind = kind};
+                       .kind = kind,
+                       .used = is_taken};
     push_binding(r, binding);
     r->current[name] = r->binding_count - 1;
     return &r->bindings[r->binding_count - 1];

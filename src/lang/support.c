@@ -90,6 +90,10 @@ void suggest_name(Str name, Str candidate, Str *best, size_t *distance)
 {
     size_t limit = name.length < 6 ? 1 + (name.length > 3) : name.length / 3;
     size_t found = str_distance(name, candidate, limit);
+    size_t shorter = name.length < candidate.length ? name.length : candidate.length;
+    if (found > limit && shorter >= 3 && memcmp(name.at, candidate.at, shorter) == 0) {
+        found = limit; // one abbreviates the other
+    }
     if (found <= limit && found < *distance && found < candidate.length && candidate.length) {
         *distance = found;
         *best = candidate;
