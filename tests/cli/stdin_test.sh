@@ -1,12 +1,12 @@
 . "$SOURCE_DIR/tests/cli/support.sh"
 last="standard input"
-"$SCNRENDER" - -o piped.png <ball.scn >out 2>err
+"$SCNRENDER" - -o piped.ppm <ball.scn >out 2>err
 code=$?
 expect_code 0
-run ball.scn
-cmp -s piped.png ball.png || fail "another picture from the standard input"
+run ball.scn -o named.ppm
+cmp -s piped.ppm named.ppm || fail "another picture from the standard input"
 last="a pipe"
-cat ball.scn | "$SCNRENDER" /dev/stdin -o piped.png >out 2>err
+cat ball.scn | "$SCNRENDER" /dev/stdin -o piped.ppm >out 2>err
 code=$?
 expect_code 0
 last="without -o"

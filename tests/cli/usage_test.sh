@@ -41,7 +41,7 @@ wrong_use 'not of a type that can be written' ball.scn -o a.doc
 wrong_use 'not of a type that can be written' ball.scn -o png
 wrong_use 'no camera called `back`' ball.scn --camera back
 wrong_use '`front`, `side`' ball.scn --camera back
-wrong_use 'more than the limit of 100' ball.scn --size 11x10 --limit pixels=100
+wrong_use 'more than the limit of 700' ball.scn --size 50x50 --limit pixels=700
 # The ways to write an option.
 for form in '--samples 2' '--samples=2'; do
     run ball.scn $form
