@@ -105,13 +105,16 @@ static bool fill_strings(Eval *ev, const Param *param, StringList *out, Value v,
     return true;
 }
 
-// A face: a list of indices, or a vector of 3 or 4 of them.
+// A face: a list of indices, or a vector of them. The mesh says whether they are enough.
+static bool is_face(Value face)
+{
+    return face.type == VALUE_LIST || face.type == VALUE_RANGE ||
+           (face.type == VALUE_VECTOR && face.dim == DIM_NONE);
+}
+
 static uint32_t face_size(Value face)
 {
-    bool is_vector = face.type == VALUE_VECTOR && face.dim == DIM_NONE;
-    return is_vector                                             ? face.small
-           : face.type == VALUE_LIST || face.type == VALUE_RANGE ? face.count
-                                                                 : 0;
+    return face.type == VALUE_VECTOR ? face.small : face.count;
 }
 
 static bool face_index(Value face, uint32_t i, uint32_t *out)
@@ -128,12 +131,11 @@ static bool fill_faces(Eval *ev, const Param *param, FaceList *out, Value v, Whe
 {
     uint64_t total = 0;
     for (uint32_t i = 0; i < v.count; ++i) {
-        uint32_t size = face_size(sequence_item(v, i));
-        if (size < 3) {
-            return wrong_item(ev, param, sequence_item(v, i), i, "lists of at least 3 indices",
-                              where);
+        Value face = sequence_item(v, i);
+        if (!is_face(face)) {
+            return wrong_item(ev, param, face, i, "lists of indices", where);
         }
-        total += size;
+        total += face_size(face);
     }
     if (total > UINT32_MAX) {
         report(ev, E0706, where_span(where), "`%s` has too many indices", param->name);

@@ -30,13 +30,31 @@ static const char *shown_path(const Scene *scene, const char *path)
     return path;
 }
 
+// "2 triangles without area and 1 with a corner that isn't finite", for either or both.
+static void describe_left_out(const Mesh *mesh, char *text, size_t size)
+{
+    char flat[64] = "";
+    uint32_t wild = mesh->not_finite;
+    if (mesh->degenerate) {
+        snprintf(flat, sizeof flat, "%" PRIu32 " triangle%s without area%s", mesh->degenerate,
+                 mesh->degenerate == 1 ? "" : "s", wild ? " and " : "");
+    }
+    if (wild) {
+        snprintf(text, size, "%s%" PRIu32 "%s with a corner that isn't finite", flat, wild,
+                 mesh->degenerate ? ""
+                 : wild == 1      ? " triangle"
+                                  : " triangles");
+    } else {
+        snprintf(text, size, "%s", flat);
+    }
+}
+
 static void say_what_was_left_out(const Mesh *mesh, const char *what, MeshReport report)
 {
     if (mesh->degenerate || mesh->not_finite) {
-        diag_report(report.sink, W0850, report.at,
-                    "%s: %" PRIu32 " triangle%s without area and %" PRIu32
-                    " with a corner that isn't finite %s left out",
-                    what, mesh->degenerate, mesh->degenerate == 1 ? "" : "s", mesh->not_finite,
+        char text[160];
+        describe_left_out(mesh, text, sizeof text);
+        diag_report(report.sink, W0850, report.at, "%s: %s %s left out", what, text,
                     mesh->degenerate + (uint64_t)mesh->not_finite == 1 ? "was" : "were");
     }
 }
@@ -50,10 +68,9 @@ static bool finish(Mesh *mesh, Arena *arena, bool smooth, const char *what, Mesh
     if (mesh->triangle_count == 0) {
         Diag *diag = diag_report(report.sink, E0852, report.at, "%s has no triangle", what);
         if (mesh->degenerate || mesh->not_finite) {
-            diag_note(report.sink, diag,
-                      "%" PRIu32 " without area and %" PRIu32
-                      " with a corner that isn't finite can't be used",
-                      mesh->degenerate, mesh->not_finite);
+            char text[160];
+            describe_left_out(mesh, text, sizeof text);
+            diag_note(report.sink, diag, "%s can't be used", text);
         }
         return false;
     }
