@@ -1,0 +1,231 @@
+// Runs as a whole: limits, deep recursion, memory that runs out, hashes, params.
+#include "../test_support.h"
+#include "lang_fixture.h"
+
+#include "base/mem.h"
+#include "lang/noise.h"
+
+static Setup setup_with(const char *limit)
+{
+    Setup setup = {.limits = limits_default()};
+    assert_true(limits_set(&setup.limits, str_from(limit)));
+    return setup;
+}
+
+static void limits_are_parsed(void **state)
+{
+    (void)state;
+    Limits limits = limits_default();
+    assert_int_equal(limits.call_depth, 1000);
+    assert_true(limits_set(&limits, STR("call_depth=12")));
+    assert_true(limits_set(&limits, STR("objects=1_000")));
+    assert_int_equal(limits.call_depth, 12);
+    assert_int_equal(limits.objects, 1000);
+    assert_false(limits_set(&limits, STR("call_depth")));
+    assert_false(limits_set(&limits, STR("call_depth=")));
+    assert_false(limits_set(&limits, STR("call_depth=-1")));
+    assert_false(limits_set(&limits, STR("depth=1")));
+    assert_false(limits_set(&limits, STR("steps=99999999999999999999")));
+}
+
+// The deepest that the limits allow: each call goes through 190 brackets.
+static void deep_calls_of_deep_expressions(void **state)
+{
+    (void)state;
+    char text[4096] = "fn f(n) = if (n == 0) 0 else ";
+    for (int i = 0; i < 190; ++i) {
+        strcat(text, "(1 + ");
+    }
+    strcat(text, "f(n - 1)");
+    for (int i = 0; i < 190; ++i) {
+        strcat(text, ")");
+    }
+    strcat(text, "\nprint(f(990))");
+    Fixture f = load(text);
+    assert_string_equal(f.diagnostics, "");
+    assert_string_equal(f.printed, "188100\n");
+    unload(&f);
+    f = load_with(text, setup_with("call_depth=100000000"));
+    assert_true(f.good);
+    unload(&f);
+}
+
+static void the_stack_is_guarded(void **state)
+{
+    (void)state;
+    Fixture f = load_with("fn f(n) = 1 + f(n + 1)\nlet _a = f(0)\nlet _b = \"go on\" + 1",
+                          setup_with("call_depth=100000000"));
+    assert_non_null(strstr(f.diagnostics, "error[E0704]"));
+    assert_non_null(strstr(f.diagnostics, "error[E0405]")); // the next statement is evaluated
+    unload(&f);
+    f = load("let deep = fold(range(3000000), group {}, fn(inner, i) = group { items: [inner] })\n"
+             "deep\nball {}");
+    assert_non_null(strstr(f.diagnostics, "error[E0704]"));
+    unload(&f);
+    f = load("let deep = fold(range(3000000), [], fn(inner, i) = [inner])\n"
+             "print(deep == deep)\nprint(len(str(deep)) > 0)");
+    assert_non_null(strstr(f.diagnostics, "error[E0704]"));
+    unload(&f);
+}
+
+static void memory_is_limited(void **state)
+{
+    (void)state;
+    Fixture f = load_with("let a = [for (i in 0..<100000000) (i, i, i)]\nprint(len(a))",
+                          setup_with("memory=50000000"));
+    assert_non_null(strstr(f.diagnostics, "error[E0709]"));
+    unload(&f);
+}
+
+// Loops give back what they use: ten million iterations in a few megabytes.
+static void iterations_give_memory_back(void **state)
+{
+    (void)state;
+    Fixture f = load_with("fn f(v) = length(v * 2 + (1, 1, 1))\n"
+                          "let shared = [for (i in 0..<10) (i, i, i)]\n"
+                          "for (i in 0..<300000) {\n"
+                          "  let v = (i, i + 1, i + 2)\n"
+                          "  for (j in 0..<1) { if (f(v + shared[j]) < 0) { ball {} } }\n"
+                          "}\n"
+                          "print(sum([for (i in 0..<300000) f((i, 0, 0))]) > 0)",
+                          setup_with("memory=30000000"));
+    assert_string_equal(f.diagnostics, "");
+    assert_string_equal(f.printed, "true\n");
+    unload(&f);
+}
+
+static const char *const broad =
+    "param n: int = 3 in 1..9\n"
+    "let red = everything { string: \"red\", numbers: [1, 2, 3], color_tex: plain {} * 0.5 }\n"
+    "fn pair(gap, r = 0.5) { ball { center: (gap, 0, 0), radius: r }  ball { center: (-gap, 0, 0) "
+    "} }\n"
+    "let tree = group { material: red  pair(2)  for (i in 0..<n) { ball { center: (i, 1, 0) } } }\n"
+    "for (i in 0..<n) { instance { of: tree, transform: [scale(2), translate(i, 0, 0)] } }\n"
+    "lamp { shape: ball {}, name: \"lamp\" }\n"
+    "print(sort([3, 1, 2]), bounds(tree), str(red), [for (x in 1..3) if (x > 1) x])\n";
+
+// Each allocation fails in turn: a clean report, no leak (under the sanitizer), no crash.
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    size_t failures = 0;
+    for (uint64_t n = 0;; ++n) {
+        Sandbox sandbox;
+        Lang lang;
+        Scene scene;
+        sandbox_init(&sandbox);
+        assert_true(lang_init(&lang, &test_schema, &sandbox));
+        assert_true(scene_init(&scene, &test_schema, &sandbox));
+        mem_fail_after(n);
+        bool good = lang_load_text(&lang, str_from(broad), NULL, "test.scn", &scene);
+        mem_fail_after(UINT64_MAX);
+        if (!good) {
+            bool said = lang.sink.out_of_memory;
+            for (uint32_t i = 0; i < lang.sink.count; ++i) {
+                said = said || lang.sink.items[i].code == E0001;
+            }
+            assert_true(said);
+        }
+        scene_free(&scene);
+        lang_free(&lang);
+        sandbox_free(&sandbox);
+        if (good) {
+            break;
+        }
+        ++failures;
+    }
+    assert_true(failures > 20);
+}
+
+static void settings_change_hash_and_params(void **state)
+{
+    (void)state;
+    ParamSetting settings[] = {{STR("n"), STR("5")}};
+    Fixture a = load(broad), b = load(broad);
+    Fixture c = load_with(broad, (Setup){limits_default(), settings, 1});
+    assert_true(a.good && b.good && c.good);
+    assert_true(a.scene.hash == b.scene.hash && a.scene.hash != c.scene.hash);
+    assert_string_equal(a.scene.params.items[0].name, "n");
+    assert_string_equal(a.scene.params.items[0].value_text, "3");
+    assert_string_equal(c.scene.params.items[0].value_text, "5");
+    assert_int_equal(a.scene.instances.count, 3);
+    assert_int_equal(c.scene.instances.count, 5);
+    assert_int_equal(a.scene.prototypes.count, 2);
+    assert_int_equal(a.scene.prototypes.items[1].shape_count, 5);
+    unload(&a);
+    unload(&b);
+    unload(&c);
+}
+
+static void params_are_listed_as_json(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/scn_params_XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    write_file(folder, "a.scn",
+               "param n: int = 3 in 1..9 \"How \\\"many\\\"\"\n"
+               "param size: length = 20cm\n"
+               "param mode: string = \"a\" in [\"a\", \"b\"]\n"
+               "print(n, size, mode)\nball { radius: -1 }\n");
+    Sandbox sandbox;
+    Lang lang;
+    sandbox_init(&sandbox);
+    assert_int_equal(sandbox_allow(&sandbox, folder), IO_OK);
+    assert_true(lang_init(&lang, &test_schema, &sandbox));
+    ParamSetting settings[] = {{STR("size"), STR("1m")}};
+    lang.settings = settings;
+    lang.setting_count = 1;
+    char path[128], *text;
+    size_t size;
+    snprintf(path, sizeof path, "%s/a.scn", folder);
+    FILE *out = open_memstream(&text, &size);
+    assert_true(lang_params_json(&lang, path, "a.scn", out));
+    fclose(out);
+    assert_string_equal(
+        text,
+        "[\n"
+        "  {\"name\": \"n\", \"type\": \"int\", \"default\": 3, \"value\": 3, \"min\": 1, "
+        "\"max\": 9, \"description\": \"How \\\"many\\\"\"},\n"
+        "  {\"name\": \"size\", \"type\": \"length\", \"default\": \"0.2m\", \"value\": \"1m\", "
+        "\"description\": \"\"},\n"
+        "  {\"name\": \"mode\", \"type\": \"string\", \"default\": \"a\", \"value\": \"a\", "
+        "\"choices\": [\"a\", \"b\"], \"description\": \"\"}\n"
+        "]\n");
+    free(text);
+    lang_free(&lang);
+    sandbox_free(&sandbox);
+    remove_folder(folder);
+}
+
+static void noise_is_smooth_and_bounded(void **state)
+{
+    (void)state;
+    double least = 1, most = -1;
+    for (int i = 0; i < 20000; ++i) {
+        Vec3 p = vec3(i * 0.137 - 500, i * 0.0713 + 3, i * 0.0311);
+        double n = noise3(p), near = noise3(add(p, vec3(1e-6, 1e-6, 1e-6)));
+        assert_true(fabs(near - n) < 1e-4);
+        least = fmin(least, n);
+        most = fmax(most, n);
+    }
+    assert_true(least >= -1 && least < -0.6);
+    assert_true(most <= 1 && most > 0.6);
+    assert_true(noise3(vec3(-3, 17, 1e15)) == 0);
+    assert_true(isfinite(noise3(vec3(1e300, 0.5, -1e300))));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(limits_are_parsed),
+        cmocka_unit_test(deep_calls_of_deep_expressions),
+        cmocka_unit_test(the_stack_is_guarded),
+        cmocka_unit_test(memory_is_limited),
+        cmocka_unit_test(iterations_give_memory_back),
+        cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(settings_change_hash_and_params),
+        cmocka_unit_test(params_are_listed_as_json),
+        cmocka_unit_test(noise_is_smooth_and_bounded),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
