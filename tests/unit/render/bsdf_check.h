@@ -274,35 +274,46 @@ static inline double gamma_q(double a, double x)
 // A function of the direction.
 typedef double (*Spherical)(const void *context, Vec3 w);
 
-// Its integral over a box in (cos θ, φ): Gauss-Legendre of 3 x 3, split where the mean of its
-// corners differs by more than `tolerance` from it (which is far more than its own error is).
+static inline double gauss_box(Spherical f, const void *context, double z0, double z1, double p0,
+                               double p1)
+{
+    static const double X[2] = {0.2113248654051871, 0.7886751345948129};
+    double sum = 0;
+    for (int i = 0; i < 4; ++i) {
+        double z = z0 + (z1 - z0) * X[i / 2], p = p0 + (p1 - p0) * X[i % 2];
+        double s = sqrt(fmax(0, 1 - z * z));
+        sum += f(context, vec3(s * cos(p), s * sin(p), z));
+    }
+    return 0.25 * sum * (z1 - z0) * (p1 - p0);
+}
+
+// Its integral over a box in (cos θ, φ), estimated as `whole`: split into four until that changes
+// it by no more than `tolerance` (some fifteen times the error that is left).
+static inline double integrate_parts(Spherical f, const void *context, double z0, double z1,
+                                     double p0, double p1, double tolerance, int depth,
+                                     double whole)
+{
+    double z[3] = {z0, 0.5 * (z0 + z1), z1}, p[3] = {p0, 0.5 * (p0 + p1), p1}, part[4], sum = 0;
+    for (int i = 0; i < 4; ++i) {
+        part[i] = gauss_box(f, context, z[i / 2], z[i / 2 + 1], p[i % 2], p[i % 2 + 1]);
+        sum += part[i];
+    }
+    if (depth == 0 || fabs(sum - whole) <= tolerance) {
+        return sum;
+    }
+    sum = 0;
+    for (int i = 0; i < 4; ++i) {
+        sum += integrate_parts(f, context, z[i / 2], z[i / 2 + 1], p[i % 2], p[i % 2 + 1],
+                               tolerance, depth - 1, part[i]);
+    }
+    return sum;
+}
+
 static inline double integrate_box(Spherical f, const void *context, double z0, double z1,
                                    double p0, double p1, double tolerance, int depth)
 {
-    static const double X[3] = {0.1127016653792583, 0.5, 0.8872983346207417};
-    static const double W[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
-    double fine = 0, coarse = 0;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            double z = z0 + (z1 - z0) * X[i], p = p0 + (p1 - p0) * X[j];
-            double s = sqrt(fmax(0, 1 - z * z));
-            double v = f(context, vec3(s * cos(p), s * sin(p), z));
-            fine += W[i] * W[j] * v;
-            if (i != 1 && j != 1) {
-                coarse += 0.25 * v;
-            }
-        }
-    }
-    double area = (z1 - z0) * (p1 - p0);
-    if (depth == 0 || fabs(fine - coarse) * area <= tolerance) {
-        return fine * area;
-    }
-    double zm = 0.5 * (z0 + z1), pm = 0.5 * (p0 + p1);
-    double t = tolerance;
-    return integrate_box(f, context, z0, zm, p0, pm, t, depth - 1) +
-           integrate_box(f, context, zm, z1, p0, pm, t, depth - 1) +
-           integrate_box(f, context, z0, zm, pm, p1, t, depth - 1) +
-           integrate_box(f, context, zm, z1, pm, p1, t, depth - 1);
+    return integrate_parts(f, context, z0, z1, p0, p1, tolerance, depth,
+                           gauss_box(f, context, z0, z1, p0, p1));
 }
 
 // --- Chi-squared: does sample follow pdf?
