@@ -63,6 +63,8 @@ typedef struct Builder {
     bool out_of_memory;
 } Builder;
 
+static const LightCone ALL_AROUND = {{0, 0, 1}, PI, PI / 2};
+
 static void push(Builder *b, Light light)
 {
     if (b->set->lights.count >= NONE_ID || !array_push(&b->set->lights, light)) {
@@ -82,7 +84,8 @@ static void push_node(Builder *b, uint32_t id, uint32_t instance)
                    .shape = NONE_ID,
                    .instance = instance,
                    .to_world = scene->transforms.items[node->transform],
-                   .bounds = box3_empty()};
+                   .bounds = box3_empty(),
+                   .cone = ALL_AROUND};
     if (instance != NONE_ID) {
         const Affine *outer = &scene->transforms.items[scene->instances.items[instance].transform];
         light.to_world = affine_multiply(outer, &light.to_world);
@@ -123,7 +126,8 @@ static void push_shape(Builder *b, uint32_t shape, uint32_t instance)
                     .shape = shape,
                     .instance = instance,
                     .to_world = accel_to_world(b->world->accel, shape, instance),
-                    .bounds = box3_empty()});
+                    .bounds = box3_empty(),
+                    .cone = ALL_AROUND});
 }
 
 // The shapes of prototypes that may emit, grouped by prototype: those of prototype p are
@@ -288,7 +292,7 @@ static void make_tables(Builder *b)
     uint32_t chosen = 0;
     for (uint32_t i = 0; i < count; ++i) {
         const Light *light = &set->lights.items[i];
-        if (light->class->infinite) {
+        if (light->class->infinite && !light->delta) {
             set->infinite[set->infinite_count++] = i;
         }
         set->chosen_at[i] = NONE_ID;
@@ -356,9 +360,9 @@ static float mixed_chance(const LightSet *set, uint32_t chosen)
     return 0.5f * (set->by_power.chance[chosen] + 1 / (float)set->by_power.count);
 }
 
-uint32_t light_choose(const LightSet *set, Vec3 reference, double u, float *chance)
+uint32_t light_choose(const LightSet *set, const LightReceiver *at, double u, float *chance)
 {
-    (void)reference;
+    (void)at;
     uint32_t count = set->by_power.count;
     if (count == 0) {
         return NONE_ID;
@@ -374,8 +378,8 @@ uint32_t light_choose(const LightSet *set, Vec3 reference, double u, float *chan
     return set->chosen[chosen];
 }
 
-float light_chance(const LightSet *set, Vec3 reference, uint32_t light)
+float light_chance(const LightSet *set, const LightReceiver *at, uint32_t light)
 {
-    (void)reference;
+    (void)at;
     return set->chosen_at[light] == NONE_ID ? 0 : mixed_chance(set, set->chosen_at[light]);
 }

@@ -14,6 +14,14 @@ struct World;
 typedef struct LightClass LightClass;
 typedef struct LightSet LightSet;
 
+// Where a light shines (Conty Estevez and Kulla 2018): its surface's normals lie within an angle
+// `normals` about `axis`, and from each point nothing is emitted farther than `emission` from the
+// normal there. `normals` = π: in all directions.
+typedef struct LightCone {
+    Vec3 axis; // unit
+    double normals, emission;
+} LightCone;
+
 // One source of light: a light node, or a shape (of an instance, perhaps) with an emitting
 // material.
 typedef struct Light {
@@ -26,7 +34,18 @@ typedef struct Light {
     Affine to_world;    // the light node's or the shape's
     double power;       // luminance of the emitted flux in W; 0: never chosen for sampling
     Box3 bounds;        // of the emitting points, in the world; empty for infinite lights
+    // For the choice among lights. Luminance of the intensity in its brightest direction, W/sr; of
+    // infinite lights the irradiance, W/m².
+    double intensity;
+    LightCone cone;
+    bool delta; // no ray finds it, though its class is one of infinite lights
 } Light;
+
+// The point that is to be lit.
+typedef struct LightReceiver {
+    Vec3 p;
+    Vec3 normal; // unit: only light from its side counts; (0, 0, 0): light from all around does
+} LightReceiver;
 
 // What reaches a reference point from a light, were nothing in between.
 typedef struct LightSample {
@@ -39,7 +58,8 @@ typedef struct LightSample {
     bool delta;      // no ray hits this light by chance: it must be sampled
 } LightSample;
 
-// What a light's prepare is given; it fills light->data, power, bounds.
+// What a light's prepare is given; it fills light->data, power, bounds, intensity and cone (which
+// is in all directions if left alone).
 typedef struct LightPrepare {
     struct World *world; // accelerator and textures are ready
     Light *light;
@@ -71,17 +91,14 @@ LightSet *light_set_build(struct World *world, Arena *arena, DiagSink *sink);
 void light_set_free(LightSet *set);
 size_t light_set_count(const LightSet *set);
 const Light *light_set_get(const LightSet *set, size_t index);
-// The lights at infinity, one after another: indices of lights; *count of them.
+// The lights at infinity that rays can see, one after another: indices of lights; *count of them.
 const uint32_t *light_set_infinite(const LightSet *set, uint32_t *count);
 
-// Chooses a light for a reference point by a number in [0, 1), of more than 24 bits where there are
-// many lights: its index, and the chance of it in
-// *chance. NONE_ID where there is none to choose. The chance is a mixture of one half by power and
-// one half uniform, so that no light is starved; it doesn't look at the reference point yet, but
-// callers must pass it, since a hierarchy over Light.bounds and power takes its place here.
-uint32_t light_choose(const LightSet *set, Vec3 reference, double u, float *chance);
+// Chooses a light for a point by a number in [0, 1), of more than 24 bits where there are many
+// lights: its index, and the chance of it in *chance. NONE_ID where nothing shines on the point.
+uint32_t light_choose(const LightSet *set, const LightReceiver *at, double u, float *chance);
 // The chance with which light_choose takes `light`.
-float light_chance(const LightSet *set, Vec3 reference, uint32_t light);
+float light_chance(const LightSet *set, const LightReceiver *at, uint32_t light);
 // The index of the light that a hit surface is, or NONE_ID.
 uint32_t light_of_surface(const struct World *world, const Surface *surface);
 

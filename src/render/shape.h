@@ -52,6 +52,7 @@ typedef enum ShapeHolding {
 typedef struct ShapeClass {
     NodeType node; // first: a ShapeClass is a NodeType
     ShapeHolding holding;
+    bool flat; // has one normal
     // True where it encloses a volume (for glass, media, CSG, "light inside" warnings).
     bool (*closed)(const void *params);
     // The nearest hit with ray->tmin < t < ray->tmax; the direction need not be of unit length.

@@ -76,6 +76,13 @@ void world_free(World *world)
     mem_free(world);
 }
 
+double world_radius(const World *world)
+{
+    Box3 box = accel_bounds(world->accel);
+    double radius = box3_is_empty(box) ? 1 : length(sub(box.max, box.min)) / 2;
+    return isfinite(radius) && radius > 0 ? radius : 1;
+}
+
 // So many surfaces that let light pass are crossed by one shadow ray; more block it.
 enum { MAX_PASSES = 256 };
 

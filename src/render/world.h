@@ -34,6 +34,9 @@ typedef struct World {
 World *world_build(const Scene *scene, unsigned threads, DiagSink *sink);
 void world_free(World *world);
 
+// Half the diagonal of the box of all bounded shapes; 1 where there are none.
+double world_radius(const World *world);
+
 // The part of light that passes along `ray` (1: unoccluded, 0: blocked), cut-outs counted.
 Rgb world_visibility(const World *world, const Ray *ray);
 

@@ -23,9 +23,9 @@ typedef struct Path {
     Rgb radiance;   // found so far
     int64_t depth;  // scatterings so far
     // How the present ray's direction was chosen, for the weight of light that it hits.
-    Vec3 reference; // where it was chosen
-    float pdf;      // by solid angle
-    bool certain;   // by the camera or a delta lobe: no light sampling competes
+    LightReceiver receiver; // where it was chosen
+    float pdf;              // by solid angle
+    bool certain;           // by the camera or a delta lobe: no light sampling competes
 } Path;
 
 // The numbers of one surface, drawn together so that their dimensions are fixed.
@@ -87,12 +87,12 @@ static float hit_weight(const Path *path, float light_pdf)
 static float hit_light_pdf(const Path *path, uint32_t index, Vec3 direction, const Surface *hit)
 {
     const World *world = path->world;
-    float chance = light_chance(world->lights, path->reference, index);
-    if (path->certain || !(chance > 0)) {
+    float chance = path->certain ? 0 : light_chance(world->lights, &path->receiver, index);
+    if (!(chance > 0)) {
         return 0;
     }
     const Light *light = light_set_get(world->lights, index);
-    return chance * light->class->pdf(world, light, path->reference, direction, hit);
+    return chance * light->class->pdf(world, light, path->receiver.p, direction, hit);
 }
 
 static void add_escaped(Path *path, Vec3 direction)
@@ -123,13 +123,26 @@ static void add_emitted(Path *path, const Surface *surface, Vec3 direction)
     }
 }
 
+// A material that lets nothing through is lit from the viewer's side only.
+static LightReceiver receiver_at(const ShadingPoint *point)
+{
+    const Surface *surface = point->surface;
+    uint32_t lobes = world_material(point->world, surface->material)->lobes;
+    LightReceiver receiver = {.p = surface->p};
+    if (!(lobes & LOBE_TRANSMIT)) {
+        receiver.normal = point->wo_side > 0 ? surface->geometric : neg(surface->geometric);
+    }
+    return receiver;
+}
+
 // Light sampling: one direction to one light.
 static void add_direct(Path *path, const ShadingPoint *point, const SurfaceNumbers *n)
 {
     const World *world = path->world;
     const Surface *surface = point->surface;
+    const LightReceiver receiver = receiver_at(point);
     float chance;
-    uint32_t index = light_choose(world->lights, surface->p, n->light, &chance);
+    uint32_t index = light_choose(world->lights, &receiver, n->light, &chance);
     if (index == NONE_ID) {
         return;
     }
@@ -205,7 +218,7 @@ static bool scatter(Path *path, const ShadingPoint *point, const SurfaceNumbers 
             !roulette(path, n->roulette)) {
             return false;
         }
-        path->reference = point->surface->p;
+        path->receiver = receiver_at(point);
         path->pdf = s.pdf;
         path->certain = s.lobes & LOBE_DELTA;
         direction = normalize(from_local(&point->frame, s.wi));

@@ -4,6 +4,8 @@
 #include "render/photometry.h"
 #include "render/world.h"
 
+extern const MaterialClass emissive_material;
+
 enum { SHAPE, RADIANCE, POWER, TWO_SIDED };
 
 static const Param PARAMS[] = {
@@ -123,6 +125,22 @@ static double diffuse_power(const AreaData *data, Rgb radiance)
     return isfinite(power) ? power : 0;
 }
 
+// The light's strength, and the directions into which it shines where the shape is flat.
+static void set_strength(const LightPrepare *prepare, const AreaData *data, Rgb radiance,
+                         bool both_sides)
+{
+    Light *light = prepare->light;
+    light->power = diffuse_power(data, radiance);
+    light->intensity =
+        isfinite(data->area) ? data->area * (double)luminance(radiance) : light->power;
+    if (data->class->flat && isfinite(data->area) && !both_sides) {
+        ShapeSample s;
+        data->class->sample_area(prepare->world->scene, data->shape, &data->to_world, data->table,
+                                 0.5, 0.5, 0.5, &s);
+        light->cone = (LightCone){s.point.geometric, 0, PI / 2};
+    }
+}
+
 static bool prepare_area_light(const LightPrepare *prepare)
 {
     const AreaLight *params = prepare->light->params;
@@ -147,7 +165,7 @@ static bool prepare_area_light(const LightPrepare *prepare)
     Rgb mean = data->texture == NONE_ID
                    ? data->radiance
                    : rgb_mul(data->radiance, texture_mean(prepare->world->textures, data->texture));
-    prepare->light->power = diffuse_power(data, mean);
+    set_strength(prepare, data, mean, params->two_sided);
     return true;
 }
 
@@ -159,7 +177,9 @@ static bool prepare_emissive(const LightPrepare *prepare)
         return false;
     }
     data->material = shape_material(world->scene, prepare->light->shape, prepare->light->instance);
-    prepare->light->power = diffuse_power(data, material_emitted_mean(world, data->material));
+    // Only `emissive` itself is known to be dark behind.
+    bool one_sided = world_material(world, data->material)->class == &emissive_material;
+    set_strength(prepare, data, material_emitted_mean(world, data->material), !one_sided);
     return true;
 }
 

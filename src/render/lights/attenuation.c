@@ -7,6 +7,12 @@ static double inverse_square(const void *params, double r)
     return 1 / (r * r);
 }
 
+static bool always_natural(const void *params)
+{
+    (void)params;
+    return true;
+}
+
 const AttenuationClass inverse_square_attenuation = {
     .node = {.name = "inverse_square",
              .category = CATEGORY_ATTENUATION,
@@ -14,7 +20,7 @@ const AttenuationClass inverse_square_attenuation = {
              .formula = "1 / r²",
              .example = "point_light { position: (0, 2, 0), power: 60W, attenuation: "
                         "inverse_square {} }"},
-    .physical = true,
+    .natural = always_natural,
     .factor = inverse_square,
 };
 
@@ -81,6 +87,12 @@ static double polynomial(const void *params, double r)
     return 1 / (p->a + p->b * r + p->c * r * r);
 }
 
+static bool polynomial_is_natural(const void *params)
+{
+    const Polynomial *p = params;
+    return p->a == 0 && p->b == 0;
+}
+
 const AttenuationClass polynomial_attenuation = {
     .node = {.name = "polynomial",
              .category = CATEGORY_ATTENUATION,
@@ -92,6 +104,7 @@ const AttenuationClass polynomial_attenuation = {
              .example = "point_light { position: (0, 2, 0), intensity: 3, attenuation: polynomial "
                         "{ a: 1, b: 0.5 } }",
              .finish = finish_polynomial},
+    .natural = polynomial_is_natural,
     .factor = polynomial,
 };
 
@@ -165,4 +178,14 @@ double attenuation_factor(const Scene *scene, uint32_t attenuation, double r)
     const SceneNode *node = scene_node(scene, CATEGORY_ATTENUATION, attenuation);
     const AttenuationClass *class = (const AttenuationClass *)scene_node_type(scene, node);
     return class->factor(scene_params(scene, node), r);
+}
+
+bool attenuation_is_natural(const Scene *scene, uint32_t attenuation)
+{
+    if (attenuation == NONE_ID) {
+        return true;
+    }
+    const SceneNode *node = scene_node(scene, CATEGORY_ATTENUATION, attenuation);
+    const AttenuationClass *class = (const AttenuationClass *)scene_node_type(scene, node);
+    return class->natural && class->natural(scene_params(scene, node));
 }

@@ -220,12 +220,10 @@ static bool make_tables(const LightPrepare *prepare, EnvironmentData *data)
         lift_grid(&data->grid, total / (4 * PI));
     }
     grid_sum(&data->grid);
-    Box3 box = accel_bounds(prepare->world->accel);
-    double radius = box3_is_empty(box) ? 1 : length(sub(box.max, box.min)) / 2;
-    radius = isfinite(radius) && radius > 0 ? radius : 1;
+    double radius = world_radius(prepare->world);
     // The flux through the scene's largest section, from everywhere.
     prepare->light->power = total * PI * radius * radius;
-    prepare->light->bounds = box3_empty();
+    prepare->light->intensity = total / 4; // the mean irradiance over all normals
     return true;
 }
 

@@ -39,27 +39,35 @@ static const Param PARAMS[] = {
                      .doc = "How the light falls off with distance."},
 };
 
-static bool finish(NodeFinish *finish)
+bool point_intensity(NodeFinish *finish, int intensity_field, int power_field, Quantity intensity,
+                     Quantity power, double steradians, Rgb *out)
 {
-    PointLight *light = finish->params;
-    bool has_intensity = finish->set & (1u << INTENSITY), has_power = finish->set & (1u << POWER);
+    bool has_intensity = finish->set >> intensity_field & 1;
+    bool has_power = finish->set >> power_field & 1;
     if (has_intensity == has_power) {
-        finish->report(finish, has_power ? POWER : -1, E0930,
-                       "`point_light` takes either `intensity` or `power`, %s",
+        finish->report(finish, has_power ? power_field : -1, E0930,
+                       "`%s` takes either `intensity` or `power`, %s", finish->type->name,
                        has_power ? "not both" : "and has neither");
         return false;
     }
-    Quantity quantity = has_power ? light->power : light->intensity;
+    Quantity quantity = has_power ? power : intensity;
     if (has_power) {
-        quantity.value /= 4 * PI;
+        quantity.value /= steradians;
     }
-    if (!quantity_to_rgb(quantity, finish->color, &light->radiant_intensity)) {
-        finish->report(finish, has_power ? POWER : INTENSITY, E0932,
+    if (!quantity_to_rgb(quantity, finish->color, out)) {
+        finish->report(finish, has_power ? power_field : intensity_field, E0932,
                        "a black light can't have a photometric %s",
                        has_power ? "power" : "intensity");
         return false;
     }
     return true;
+}
+
+static bool finish(NodeFinish *finish)
+{
+    PointLight *light = finish->params;
+    return point_intensity(finish, INTENSITY, POWER, light->intensity, light->power, 4 * PI,
+                           &light->radiant_intensity);
 }
 
 typedef struct PointData {
@@ -75,7 +83,8 @@ static bool prepare(const LightPrepare *prepare)
     }
     data->position = transform_point(&prepare->light->to_world, params->position);
     prepare->light->data = data;
-    prepare->light->power = 4 * PI * (double)luminance(params->radiant_intensity);
+    prepare->light->intensity = (double)luminance(params->radiant_intensity);
+    prepare->light->power = 4 * PI * prepare->light->intensity;
     prepare->light->bounds = box3_add(box3_empty(), data->position);
     return true;
 }

@@ -12,4 +12,9 @@ typedef struct PointLight {
 
 extern const LightClass point_light_light;
 
+// The intensity of a small source that was given as such or by its power, whichever of the two
+// fields was set; `steradians` is power over intensity. False after a report.
+bool point_intensity(NodeFinish *finish, int intensity_field, int power_field, Quantity intensity,
+                     Quantity power, double steradians, Rgb *out);
+
 #endif

@@ -141,6 +141,7 @@ const ShapeClass disc_shape = {
              .finish = disc_finish,
              .bounds = disc_bounds},
     .holding = HOLD_USER,
+    .flat = true,
     .closed = shape_is_open,
     .intersect = disc_intersect,
     .point = disc_point,

@@ -193,6 +193,7 @@ const ShapeClass rectangle_shape = {
              .finish = rectangle_finish,
              .bounds = rectangle_bounds},
     .holding = HOLD_FLAT,
+    .flat = true,
     .closed = shape_is_open,
     .intersect = rectangle_intersect,
     .point = rectangle_point,

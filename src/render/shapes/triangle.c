@@ -202,6 +202,7 @@ const ShapeClass triangle_shape = {
              .finish = triangle_finish,
              .bounds = triangle_bounds},
     .holding = HOLD_FLAT,
+    .flat = true,
     .closed = shape_is_open,
     .intersect = triangle_intersect,
     .point = triangle_point,

@@ -243,15 +243,15 @@ static void lights_are_chosen_by_power(void **state)
     World *world = build(&maker);
     double observed[5] = {0}, expected[5], sum = 0;
     TestRandom random = {3};
-    Vec3 here = vec3(0, 0, 0);
+    const LightReceiver here = {{0, 0, 0}, {0, 0, 0}};
     for (int i = 0; i < SAMPLES; ++i) {
         float chance;
-        uint32_t light = light_choose(world->lights, here, (double)test_random(&random), &chance);
-        assert_true(light < 4 && chance == light_chance(world->lights, here, light));
+        uint32_t light = light_choose(world->lights, &here, (double)test_random(&random), &chance);
+        assert_true(light < 4 && chance == light_chance(world->lights, &here, light));
         observed[light] += 1;
     }
     for (uint32_t i = 0; i < 5; ++i) {
-        expected[i] = SAMPLES * (double)light_chance(world->lights, here, i);
+        expected[i] = SAMPLES * (double)light_chance(world->lights, &here, i);
         sum += expected[i];
     }
     assert_true(NEAR(sum, SAMPLES, 1e-6 * SAMPLES));
