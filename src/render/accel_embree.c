@@ -29,7 +29,9 @@ typedef struct Query {
     double speed;   // Embree's length for t = 1
     double start;   // Embree's length from the ray's origin to where the float ray begins
     uint32_t instance;
-    Hit *hit; // the nearest found by callbacks so far; NULL: any will do
+    Hit *hit;                        // the nearest found by callbacks so far; NULL: any will do
+    Hit doubtful;                    // the nearest such
+    double certain_from, certain_to; // t between which a doubtful one counts
 } Query;
 
 // --- Rays -------------------------------------------------------------------------------------
@@ -65,6 +67,10 @@ static bool query_begin(Query *q, const AccelGroup *group, const Ray *ray, uint3
     q->start = begin - RAY_MARGIN;
     q->instance = instance;
     q->hit = hit;
+    q->doubtful.t = INFINITY;
+    const double certain = FLAT_CERTAIN / q->speed;
+    q->certain_from = ray->tmin + certain;
+    q->certain_to = ray->tmax - certain;
     Vec3 origin = add_scaled(local.origin, local.direction, q->start);
     *out = (struct RTCRay){.org_x = (float)origin.x,
                            .org_y = (float)origin.y,
@@ -113,7 +119,12 @@ static bool group_intersect(const AccelGroup *group, const Ray *ray, uint32_t in
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     embree_intersect(&q, &rayhit);
     // The callback that found it left it in *hit.
-    return rayhit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    const bool found = rayhit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    if (q.doubtful.t < q.tmax && !(found && q.tmax - q.doubtful.t < RAY_MARGIN / q.speed)) {
+        *hit = q.doubtful;
+        return true;
+    }
+    return found;
 }
 
 static bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
@@ -121,7 +132,7 @@ static bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t ins
     Query q;
     struct RTCRay embree_ray;
     return group->hierarchy && query_begin(&q, group, ray, instance, NULL, &embree_ray) &&
-           embree_occluded(&q, &embree_ray);
+           (embree_occluded(&q, &embree_ray) || q.doubtful.t < q.tmax);
 }
 
 // --- Callbacks: triangles ---------------------------------------------------------------------
@@ -136,12 +147,18 @@ static void filter_flat(const struct RTCFilterFunctionNArguments *args)
     Query *q = (Query *)(void *)args->context;
     const struct RTCHit *hit = (const struct RTCHit *)(const void *)args->hit;
     uint32_t primitive, shape = accel_native_shape(kind, hit->primID, &primitive);
-    ShapeHit exact;
-    if (!accel_flat_hit(kind, shape, primitive, q->ray, q->tmax, &exact)) {
+    ShapeHit local;
+    const FlatHit found = accel_flat_hit(kind, shape, primitive, q->ray, q->tmax, &local);
+    const Hit nearer = {.t = local.t, .shape = shape, .instance = q->instance, .local = local};
+    if (found != FLAT_INSIDE) {
         args->valid[0] = 0;
+        if (found == FLAT_BESIDE && local.t < q->doubtful.t && local.t > q->certain_from &&
+            local.t < q->certain_to) {
+            q->doubtful = nearer;
+        }
     } else if (q->hit) {
-        q->tmax = exact.t;
-        *q->hit = (Hit){.t = exact.t, .shape = shape, .instance = q->instance, .local = exact};
+        q->tmax = local.t;
+        *q->hit = nearer;
     }
 }
 

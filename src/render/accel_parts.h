@@ -7,17 +7,23 @@
 // is as good at every size and place. Instances and pockets are primitives of one user geometry
 // each, through which the ray goes on in double precision: a million instances are one geometry.
 //
-// Single precision only proposes, double precision decides. Embree holds every triangle a little
-// larger than it is (FLAT_GROWTH), so that its rounding loses none, and each triangle that it
-// proposes is tested in double precision by accel_flat_hit, without gaps between neighbours (Woop,
-// Benthin, Wald 2013, "Watertight Ray/Triangle Intersection"): a ray aimed at a vertex hits one of
-// its triangles, and a ray that starts by rounding errors of double precision off a triangle
-// doesn't hit it again. Curved shapes are intersected in double precision by their kinds, within
-// boxes grown by BOX_MARGIN.
+// Single precision proposes, double precision decides. Embree holds every triangle a little larger
+// than it is (FLAT_GROWTH), so that a ray aimed at a vertex, where single precision would miss all
+// triangles around it now and then, is given one. Each triangle proposed is tested in double
+// precision by accel_flat_hit, without gaps between neighbours: a ray that starts by rounding
+// errors of double precision off a triangle doesn't hit it again. Where the line passes beside the
+// triangle in double precision, the proposal is doubtful: either the ray does pass, or it runs so
+// flat that single precision has taken a neighbour of the triangle that is hit. A doubtful hit
+// counts where no certain one is found near it, and not near the ends of the ray; so closed
+// surfaces stay closed, as Embree holds them. Curved shapes are intersected in double precision by
+// their kinds, within boxes grown by BOX_MARGIN.
 //
-// What single precision can still do wrong, in parts of the group's size: of two surfaces nearer to
-// each other than about 2^-21 it may take the wrong one first; and a ray that starts nearer than
-// that to a triangle and meets it at a cosine below RAY_LEAST_COSINE may pass through.
+// What single precision can still do wrong, in parts of the group's size: a triangle may be hit by
+// a ray that passes within FLAT_DOUBT of its edge, further from the ray's ends than FLAT_CERTAIN;
+// of two surfaces nearer to each other than about 2^-21 the wrong one may come first; and a ray
+// that meets a triangle at a cosine below RAY_LEAST_COSINE, or within FLAT_CERTAIN of its start,
+// may pass through if it starts nearer to the triangle's plane, or meets it nearer to its edge,
+// than about 2^-19.
 #ifndef RENDER_ACCEL_PARTS_H
 #define RENDER_ACCEL_PARTS_H
 
@@ -30,6 +36,11 @@
 #define FLAT_GROWTH 0x1p-19
 // Corners sharper than this sine of half their angle are moved less than that asks.
 #define FLAT_SHARPEST 0x1p-10
+// A doubtful hit lies beside the ray by no more than this.
+#define FLAT_DOUBT (2 * FLAT_GROWTH)
+// A doubtful hit must be this far from both ends of the ray: a surface's neighbour, grown, stands
+// in the way of a ray that starts beside it.
+#define FLAT_CERTAIN (16 * FLAT_GROWTH)
 // How far the float ray is begun before, and ended after, the true one: the distance along the ray
 // that corresponds to an error across the triangle's plane of FLAT_GROWTH / 2 at the least cosine.
 // What it meets on the way to the true beginning costs a test in double precision each.
@@ -112,10 +123,12 @@ static inline uint32_t accel_native_shape(const AccelKind *kind, uint32_t triang
     *primitive = mesh ? triangle : 0;
     return kind->ids[mesh ? 0 : kind->corners == 4 ? triangle / 2 : triangle];
 }
-// Where the ray (of the group's space) meets a native shape's primitive, in double precision, with
-// ray->tmin < t < tmax.
-bool accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
-                    double tmax, ShapeHit *hit);
+// Whether the ray (of the group's space) meets a native shape's primitive in double precision, with
+// ray->tmin < t < tmax; or, where it meets the primitive's plane beside it, whether it comes within
+// FLAT_DOUBT of it: *hit is then the nearest point of the primitive's edges, and the nearest t.
+typedef enum FlatHit { FLAT_MISSED, FLAT_BESIDE, FLAT_INSIDE } FlatHit;
+FlatHit accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
+                       double tmax, ShapeHit *hit);
 
 // Tests the unbounded shapes; the nearest before ray->tmax.
 bool accel_unbounded_hit(const Accel *accel, const Ray *ray, Hit *hit);

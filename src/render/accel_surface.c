@@ -37,7 +37,7 @@ bool ray_clip(const Ray *ray, Box3 box, double margin, double *tmin, double *tma
 // roundings for each triangle that it belongs to, and the sign of a difference of two rounded
 // products is that of the exact one, or zero; zero counts as inside. t is that of the plane, so
 // that its sign is that of the origin's side.
-static bool mesh_triangle_hit(const Mesh *mesh, uint32_t triangle, const Ray *ray, ShapeHit *hit)
+static FlatHit mesh_triangle_hit(const Mesh *mesh, uint32_t triangle, const Ray *ray, ShapeHit *hit)
 {
     const uint32_t *index = mesh->triangles + 3 * (size_t)triangle;
     const Vec3 direction = ray->direction, size = vec3_abs(direction);
@@ -60,49 +60,102 @@ static bool mesh_triangle_hit(const Mesh *mesh, uint32_t triangle, const Ray *ra
     }
     const double a = x[2] * y[1] - y[2] * x[1], b = x[0] * y[2] - y[0] * x[2];
     const double c = x[1] * y[0] - y[1] * x[0], sum = a + b + c;
-    if (((a < 0 || b < 0 || c < 0) && (a > 0 || b > 0 || c > 0)) || sum == 0) {
-        return false;
-    }
     const Vec3 normal = cross(sub(from[1], from[0]), sub(from[2], from[0]));
     const double t = dot(normal, from[0]) / dot(normal, direction);
+    if (!(t > ray->tmin && t < ray->tmax)) {
+        return FLAT_MISSED;
+    }
     *hit = (ShapeHit){.t = t, .primitive = triangle, .u = b / sum, .v = c / sum};
-    return t > ray->tmin && t < ray->tmax;
+    const bool outside = (a < 0 || b < 0 || c < 0) && (a > 0 || b > 0 || c > 0);
+    return outside || sum == 0 ? FLAT_BESIDE : FLAT_INSIDE;
 }
 
 // Flat shapes reach a few roundings beyond their edges, so that a ray at the common edge of two of
 // them finds one.
 #define EDGE_SLACK (64 * ROUNDING)
 
-static bool flat_shape_hit(const ShapeClass *class, const void *params, const Ray *ray,
-                           ShapeHit *hit)
+// `corners` of a triangle (3) or parallelogram (4).
+static FlatHit flat_shape_hit(const Vec3 *corners, int count, const Ray *ray, ShapeHit *hit)
 {
-    Vec3 corners[4];
-    const int count = class->corners(params, corners);
     const Vec3 u = sub(corners[1], corners[0]), v = sub(corners[count - 1], corners[0]);
-    if (!flat_meet(corners[0], u, v, ray, hit) || !(hit->t > ray->tmin && hit->t < ray->tmax) ||
-        !(hit->u >= -EDGE_SLACK && hit->v >= -EDGE_SLACK)) {
-        return false;
+    if (!flat_meet(corners[0], u, v, ray, hit) || !(hit->t > ray->tmin && hit->t < ray->tmax)) {
+        return FLAT_MISSED;
     }
     const double over = count == 3 ? hit->u + hit->v : fmax(hit->u, hit->v);
-    if (!(over <= 1 + EDGE_SLACK)) {
-        return false;
+    if (!(hit->u >= -EDGE_SLACK && hit->v >= -EDGE_SLACK && over <= 1 + EDGE_SLACK)) {
+        return FLAT_BESIDE;
     }
     hit->u = fmin(fmax(hit->u, 0), 1);
     hit->v = fmin(fmax(hit->v, 0), count == 3 ? 1 - hit->u : 1);
-    return true;
+    return FLAT_INSIDE;
 }
 
-bool accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
-                    double tmax, ShapeHit *hit)
+// The place in [0, 1] on a segment that is nearest to a line, and the line's t there.
+static double segment_near_line(Vec3 a, Vec3 along, const Ray *ray, double *t)
+{
+    const Vec3 from = sub(a, ray->origin), d = ray->direction;
+    const double dd = length_squared(d), ee = length_squared(along), de = dot(d, along);
+    const double fd = dot(from, d), fe = dot(from, along);
+    const double determinant = dd * ee - de * de;
+    double s = determinant > 0 ? (de * fd - dd * fe) / determinant : 0;
+    s = s > 0 ? fmin(s, 1) : 0;
+    *t = (fd + s * de) / dd;
+    return s;
+}
+
+// The nearest point to the ray's line on the edges of a triangle or parallelogram; returns the
+// vector to it from the line.
+static Vec3 nearest_on_edges(const Vec3 *corners, int count, const Ray *ray, ShapeHit *hit)
+{
+    static const double us[4] = {0, 1, 1, 0}, vs[4] = {0, 0, 1, 1};
+    Vec3 nearest = {INFINITY, 0, 0};
+    for (int i = 0; i < count; ++i) {
+        const int j = (i + 1) % count, last = count - 1;
+        const Vec3 along = sub(corners[j], corners[i]);
+        double t;
+        const double s = segment_near_line(corners[i], along, ray, &t);
+        const Vec3 p = add_scaled(corners[i], along, s);
+        const Vec3 beside = sub(p, add_scaled(ray->origin, ray->direction, t));
+        if (length_squared(beside) < length_squared(nearest)) {
+            nearest = beside;
+            const double u0 = us[i == last ? 3 : i], u1 = us[j == last ? 3 : j];
+            const double v0 = vs[i == last ? 3 : i], v1 = vs[j == last ? 3 : j];
+            *hit = (ShapeHit){.t = t, .u = u0 + s * (u1 - u0), .v = v0 + s * (v1 - v0)};
+        }
+    }
+    return nearest;
+}
+
+FlatHit accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
+                       double tmax, ShapeHit *hit)
 {
     const Scene *scene = kind->accel->scene;
     const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, shape);
     const void *params = kind->params + node->index * kind->class->node.size;
     Ray local = accel_shape_ray(scene, node, ray);
     local.tmax = tmax;
-    return kind->class->holding == HOLD_TRIANGLES
-               ? mesh_triangle_hit(mesh_of(scene, params), primitive, &local, hit)
-               : flat_shape_hit(kind->class, params, &local, hit);
+    Vec3 corners[4];
+    int count = 3;
+    FlatHit found;
+    if (kind->class->holding == HOLD_TRIANGLES) {
+        const Mesh *mesh = mesh_of(scene, params);
+        found = mesh_triangle_hit(mesh, primitive, &local, hit);
+        for (int i = 0; found == FLAT_BESIDE && i < 3; ++i) {
+            corners[i] = mesh_vertex(mesh, mesh->triangles[3 * (size_t)primitive + (size_t)i]);
+        }
+    } else {
+        count = kind->class->corners(params, corners);
+        found = flat_shape_hit(corners, count, &local, hit);
+    }
+    if (found != FLAT_BESIDE) {
+        return found;
+    }
+    Vec3 beside = nearest_on_edges(corners, count, &local, hit);
+    hit->primitive = primitive;
+    if (node->transform) {
+        beside = transform_vector(&scene->transforms.items[node->transform], beside);
+    }
+    return length(beside) < FLAT_DOUBT * kind->group->scale ? FLAT_BESIDE : FLAT_MISSED;
 }
 
 bool accel_unbounded_hit(const Accel *accel, const Ray *ray, Hit *hit)
