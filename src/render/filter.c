@@ -12,6 +12,8 @@ double filter_default_width(FilterKind kind)
     case FILTER_GAUSSIAN:
     case FILTER_BLACKMAN_HARRIS:
         break;
+    case FILTER_CENTER:
+        return 0;
     }
     return 3;
 }
@@ -20,6 +22,7 @@ double filter_cumulative(FilterKind kind, double x)
 {
     switch (kind) {
     case FILTER_BOX:
+    case FILTER_CENTER: // of width 0
         return x;
     case FILTER_TENT:
         return x < 0.5 ? 2 * x * x : 1 - 2 * (1 - x) * (1 - x);
@@ -39,7 +42,7 @@ double filter_cumulative(FilterKind kind, double x)
 void filter_init(PixelFilter *filter, FilterKind kind, double width)
 {
     filter->kind = kind;
-    filter->width = width > 0 ? width : filter_default_width(kind);
+    filter->width = width > 0 && kind != FILTER_CENTER ? width : filter_default_width(kind);
     // The left half, mirrored, so that the mean is exactly 0.
     filter->mass[0] = 0;
     filter->mass[FILTER_CELLS] = 1;

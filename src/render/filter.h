@@ -12,6 +12,7 @@ typedef enum FilterKind {
     FILTER_TENT,            // 1 - |x|; width 2
     FILTER_GAUSSIAN,        // standard deviation a sixth of the width; width 3
     FILTER_BLACKMAN_HARRIS, // the four-term window; width 3
+    FILTER_CENTER,          // the pixel's centre alone; has no width
 } FilterKind;
 
 enum { FILTER_CELLS = 256 };

@@ -25,6 +25,9 @@ typedef struct IntegratorClass {
     // Incoming radiance along `ray` (W/m²/sr, linear Rec.709).  `aov` may be NULL. Thread-safe.
     Rgb (*radiance)(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
                     IntegratorStats *stats);
+    // Reports what the integrator leaves out of this world, before anything is rendered; NULL:
+    // nothing.
+    void (*check)(const World *world, DiagSink *sink);
 } IntegratorClass;
 
 // INTEGRATOR(id) rows of nodes.def, NULL at the end.

@@ -76,6 +76,24 @@ bool material_sample(const ShadingPoint *point, uint32_t id, float lobe, float u
     return (out->lobes & LOBE_PASS) || sides_agree(point, out->wi);
 }
 
+int material_deltas(const ShadingPoint *point, uint32_t id, BsdfSample *out, int room)
+{
+    const WorldMaterial *m = world_material(point->world, id);
+    if (!(m->lobes & LOBE_DELTA) || point->wo.z == 0) {
+        return 0;
+    }
+    if (!m->class->deltas) {
+        return -1;
+    }
+    int found = m->class->deltas(point, m->params, out, room), kept = 0;
+    for (int i = 0; i < found; ++i) {
+        if (sides_agree(point, out[i].wi)) {
+            out[kept++] = out[i];
+        }
+    }
+    return found < 0 ? found : kept;
+}
+
 Rgb material_albedo(const ShadingPoint *point, uint32_t id)
 {
     const WorldMaterial *m = world_material(point->world, id);

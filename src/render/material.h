@@ -24,6 +24,9 @@ typedef enum MaterialLobes {
     LOBE_EMIT = 32,    // emits: shapes of this material are lights
 } MaterialLobes;
 
+// Room that is always enough for the delta lobes of one surface in practice.
+enum { DELTA_ROOM = 8 };
+
 // A point to be shaded, seen from a direction.
 typedef struct ShadingPoint {
     const struct World *world;
@@ -63,6 +66,10 @@ typedef struct MaterialClass {
     // direction. False: nothing is scattered.
     bool (*sample)(const ShadingPoint *point, const void *params, float lobe, float u, float v,
                    BsdfSample *out);
+    // All delta lobes at once, for integrators that follow each of them: weight is then the lobe's
+    // albedo and pdf 1. At most `room` (DELTA_ROOM); returns how many, or -1 where there are more
+    // or they aren't known. NULL: none, or they have to be found by `sample`.
+    int (*deltas)(const ShadingPoint *point, const void *params, BsdfSample *out, int room);
     // About how much of the light from all around is reflected, for the albedo picture.
     Rgb (*albedo)(const ShadingPoint *point, const void *params);
     // Radiance (W/m²/sr) that the surface emits to the side given by surface->front. NULL: none.
@@ -101,6 +108,9 @@ uint32_t material_lobes(const struct World *world, uint32_t id);
 BsdfEval material_eval(const ShadingPoint *point, uint32_t id, Vec3 wi);
 bool material_sample(const ShadingPoint *point, uint32_t id, float lobe, float u, float v,
                      BsdfSample *out);
+// The delta lobes as MaterialClass.deltas gives them: 0 for a material without any, -1 where only
+// `sample` can tell.
+int material_deltas(const ShadingPoint *point, uint32_t id, BsdfSample *out, int room);
 Rgb material_albedo(const ShadingPoint *point, uint32_t id);
 Rgb material_emitted(const struct World *world, uint32_t id, const Surface *surface);
 Rgb material_emitted_mean(const struct World *world, uint32_t id);

@@ -130,6 +130,9 @@ static bool prepare(Renderer *r, DiagSink *sink)
         return false;
     }
     choose_camera(r, sink);
+    if (r->integrator->check) {
+        r->integrator->check(r->world, sink);
+    }
     filter_init(&r->filter, (FilterKind)r->film_params.filter, r->film_params.filter_width);
     return true;
 }

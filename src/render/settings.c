@@ -13,7 +13,7 @@
 #define DEFAULT_SEED     0
 enum { DEFAULT_FILTER = FILTER_BLACKMAN_HARRIS, DEFAULT_TONE = TONE_SRGB };
 
-static const char *const filters[] = {"box", "tent", "gaussian", "blackman_harris", NULL};
+static const char *const filters[] = {"box", "tent", "gaussian", "blackman_harris", "center", NULL};
 static const char *const tones[] = {"srgb", "linear", "aces", "filmic", NULL};
 static const char *const samplings[] = {"mis", "light", "bsdf", NULL};
 static const char *const integrators[] = {
@@ -52,7 +52,8 @@ static const Param film_params[] = {
      .max = 32,
      .flags = PARAM_NO_DEFAULT | PARAM_EXCLUDE_MIN,
      .doc =
-         "of the whole filter, in pixels; its own: box 1, tent 2, gaussian and blackman_harris 3"},
+         "of the whole filter, in pixels; its own: box 1, tent 2, gaussian and blackman_harris 3; "
+         "center has none"},
     {.name = "exposure",
      .type = PARAM_NUMBER,
      PARAM_AT(FilmParams, exposure),
@@ -109,7 +110,9 @@ const NodeType film_kind = {
            "shows.",
     .formula =
         "Filters: box; tent 1 - |2x/w|; gaussian exp(-18 (x/w)^2); blackman_harris, the four-term "
-        "window (Harris 1978); w is filter_width. Tone curves: srgb clips to [0, 1]; linear clips "
+        "window (Harris 1978); w is filter_width; center sends every sample through the pixel's "
+        "centre, for pictures that are compared pixel by pixel. Tone curves: srgb clips to [0, 1]; "
+        "linear clips "
         "and isn't encoded; aces is Stephen Hill's fit of the ACES RRT and sRGB ODT; filmic is "
         "Hable "
         "2010 (Uncharted 2) with white at 11.2. All but linear end with the sRGB transfer "

@@ -5,15 +5,13 @@
 // is chosen by the material (BSDF sampling), along which the path goes on; light that this ray hits
 // counts too, with weights that sum to one. `sampling` leaves one of the two out, where the other
 // can find the light at all: the mean stays the same.
-#include "render/integrator.h"
+#include "render/integrators/surface_hit.h"
 
 // Numbers of the sampler for each surface, two sets of four: two on the light, choice of the light
 // and of its part; two for the direction, choice of the lobe, roulette.
 enum { DIMENSIONS_PER_SURFACE = 8 };
 // Roulette begins after this many scatterings.
 enum { ROULETTE_START = 3 };
-// Surfaces that let light pass don't count as scatterings, but a path crosses no more than this.
-enum { MAX_PASSES = 1024 };
 
 typedef struct Path {
     const World *world;
@@ -227,17 +225,6 @@ static bool scatter(Path *path, const ShadingPoint *point, const SurfaceNumbers 
     return true;
 }
 
-static void fill_aov(const Hit *hit, const ShadingPoint *point, AovSample *aov)
-{
-    const Surface *surface = point->surface;
-    aov->albedo = material_albedo(point, surface->material);
-    aov->normal = surface->front ? surface->shading : neg(surface->shading);
-    aov->position = surface->p;
-    aov->depth = hit->t;
-    aov->object = surface->shape + 1;
-    aov->material = surface->material == NONE_ID ? 0 : surface->material + 1;
-}
-
 static void trace(Path *path, Ray ray, AovSample *aov)
 {
     const World *world = path->world;
@@ -258,7 +245,7 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         ShadingPoint point;
         shading_point(world, &surface, ray.direction, &point);
         if (aov && i == 0) {
-            fill_aov(&hit, &point, aov);
+            aov_fill(&hit, &point, aov);
             if (path->depth >= world->bounces) {
                 return;
             }

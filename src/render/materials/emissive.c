@@ -58,6 +58,12 @@ static bool sample(const ShadingPoint *point, const void *params, float lobe, fl
     return emissive->base != NONE_ID && material_sample(point, emissive->base, lobe, u, v, out);
 }
 
+static int deltas(const ShadingPoint *point, const void *params, BsdfSample *out, int room)
+{
+    const Emissive *emissive = params;
+    return emissive->base == NONE_ID ? 0 : material_deltas(point, emissive->base, out, room);
+}
+
 static Rgb albedo(const ShadingPoint *point, const void *params)
 {
     const Emissive *emissive = params;
@@ -111,6 +117,7 @@ const MaterialClass emissive_material = {
     .lobes = lobes,
     .eval = eval,
     .sample = sample,
+    .deltas = deltas,
     .albedo = albedo,
     .emitted = emitted,
     .emitted_mean = emitted_mean,

@@ -284,6 +284,14 @@ static bool sample(const ShadingPoint *point, const void *params, float lobe, fl
     return true;
 }
 
+static int deltas(const ShadingPoint *point, const void *params, BsdfSample *out, int room)
+{
+    if (!gloss_at(point, params).facets.smooth) {
+        return 0;
+    }
+    return room > 0 && sample(point, params, 0, 0, 0, out) ? 1 : -1;
+}
+
 static Rgb albedo(const ShadingPoint *point, const void *params)
 {
     Gloss gloss = gloss_at(point, params);
@@ -317,5 +325,6 @@ const MaterialClass ggx_material = {
     .lobes = lobes,
     .eval = eval,
     .sample = sample,
+    .deltas = deltas,
     .albedo = albedo,
 };

@@ -83,6 +83,11 @@ static bool sample(const ShadingPoint *point, const void *params, float lobe, fl
     return true;
 }
 
+static int deltas(const ShadingPoint *point, const void *params, BsdfSample *out, int room)
+{
+    return room > 0 && sample(point, params, 0, 0, 0, out) ? 1 : -1;
+}
+
 static Rgb albedo(const ShadingPoint *point, const void *params)
 {
     return reflectance(point, params, 1);
@@ -103,5 +108,6 @@ const MaterialClass mirror_material = {
     .lobes = lobes,
     .eval = eval,
     .sample = sample,
+    .deltas = deltas,
     .albedo = albedo,
 };

@@ -83,6 +83,26 @@ static bool sample(const ShadingPoint *point, const void *params, float lobe, fl
     return true;
 }
 
+// Those of one of the two, times its share.
+static int share_deltas(const ShadingPoint *point, uint32_t id, float share, BsdfSample *out,
+                        int room)
+{
+    int count = share > 0 ? material_deltas(point, id, out, room) : 0;
+    for (int i = 0; i < count; ++i) {
+        out[i].weight = rgb_scale(out[i].weight, share);
+    }
+    return count;
+}
+
+static int deltas(const ShadingPoint *point, const void *params, BsdfSample *out, int room)
+{
+    const Mix *mix = params;
+    float w = weight_at(point->world, mix, point->surface);
+    int a = share_deltas(point, mix->a, 1 - w, out, room);
+    int b = a < 0 ? a : share_deltas(point, mix->b, w, out + a, room - a);
+    return b < 0 ? b : a + b;
+}
+
 static Rgb albedo(const ShadingPoint *point, const void *params)
 {
     const Mix *mix = params;
@@ -144,6 +164,7 @@ const MaterialClass mix_material = {
     .lobes = lobes,
     .eval = eval,
     .sample = sample,
+    .deltas = deltas,
     .albedo = albedo,
     .emitted = emitted,
     .emitted_mean = emitted_mean,

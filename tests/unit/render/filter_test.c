@@ -19,6 +19,7 @@ static double definition(FilterKind kind, double x, double w)
     case FILTER_GAUSSIAN:
         return exp(-x * x / (2 * (w / 6) * (w / 6)));
     case FILTER_BLACKMAN_HARRIS:
+    case FILTER_CENTER:
         break;
     }
     const double t = 2 * PI * (x / w + 0.5);
@@ -119,6 +120,18 @@ static void width_scales(void **state)
     assert_true(filter_sample(&wide, 0) >= -4 && filter_sample(&wide, 0) < -3);
 }
 
+static void center_never_leaves_it(void **state)
+{
+    (void)state;
+    PixelFilter filter;
+    for (int width = 0; width < 3; ++width) {
+        filter_init(&filter, FILTER_CENTER, width);
+        for (int i = 0; i < 1000; ++i) {
+            assert_true(filter_sample(&filter, (float)i / 1000) == 0);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -126,6 +139,7 @@ int main(void)
         cmocka_unit_test(drawn_density_is_the_filters),
         cmocka_unit_test(spread_is_the_filters),
         cmocka_unit_test(width_scales),
+        cmocka_unit_test(center_never_leaves_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

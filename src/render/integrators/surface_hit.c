@@ -1,0 +1,72 @@
+#include "render/integrators/surface_hit.h"
+
+bool surface_hit(const World *world, const Ray *ray, IntegratorStats *stats, SurfaceHit *out)
+{
+    ++stats->rays;
+    if (!accel_intersect(world->accel, ray, &out->hit)) {
+        return false;
+    }
+    accel_surface(world->accel, ray, &out->hit, &out->surface);
+    shading_point(world, &out->surface, ray->direction, &out->point);
+    return true;
+}
+
+bool surface_hit_visible(const World *world, const Ray *ray, IntegratorStats *stats,
+                         SurfaceHit *out)
+{
+    Ray rest = *ray;
+    double passed = 0;
+    for (int i = 0; i < MAX_PASSES; ++i) {
+        if (!surface_hit(world, &rest, stats, out)) {
+            return false;
+        }
+        out->hit.t += passed;
+        Rgb pass = surface_lobes(world, &out->surface) & LOBE_PASS
+                       ? material_pass(world, out->surface.material, &out->surface)
+                       : rgb_gray(0);
+        if (!(luminance(pass) > 0.5f)) {
+            return true;
+        }
+        passed = out->hit.t;
+        rest = surface_spawn(&out->surface, ray->direction);
+    }
+    return false;
+}
+
+void aov_fill(const Hit *hit, const ShadingPoint *point, AovSample *aov)
+{
+    const Surface *surface = point->surface;
+    aov->albedo = material_albedo(point, surface->material);
+    aov->normal = surface->front ? surface->shading : neg(surface->shading);
+    aov->position = surface->p;
+    aov->depth = hit->t;
+    aov->object = surface->shape + 1;
+    aov->material = surface->material == NONE_ID ? 0 : surface->material + 1;
+}
+
+uint32_t surface_lobes(const World *world, const Surface *surface)
+{
+    return world_material(world, surface->material)->lobes;
+}
+
+Rgb surface_emitted(const World *world, const Surface *surface)
+{
+    uint32_t index = light_of_surface(world, surface);
+    if (index == NONE_ID) {
+        return rgb_gray(0);
+    }
+    const Light *light = light_set_get(world->lights, index);
+    return light->class->emitted(world, light, surface);
+}
+
+Rgb world_escaped(const World *world, Vec3 direction)
+{
+    uint32_t count;
+    const uint32_t *infinite = light_set_infinite(world->lights, &count);
+    Rgb sum = rgb_gray(0);
+    for (uint32_t i = 0; i < count; ++i) {
+        const Light *light = light_set_get(world->lights, infinite[i]);
+        sum = rgb_add(sum, light->class->escaped(world, light, direction));
+    }
+    return sum;
+}
