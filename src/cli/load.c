@@ -43,6 +43,8 @@ static int begin_text(Loading *loading, const char *name)
     }
     loading->is_text = true;
     loading->path = arena_printf(&loading->lang.arena, "%s/standard input", folder);
+    loading->lang.given_path = loading->path;
+    loading->lang.given_text = (Str){loading->text.bytes, loading->text.size};
     return loading->path ? EXIT_OK : no_memory();
 }
 
@@ -55,6 +57,9 @@ static int begin_file(Loading *loading, const char *name)
     struct stat info;
     if (stat(real, &info) == 0 && !S_ISREG(info.st_mode)) {
         return complain(EXIT_FILES, "can't read `%s`: it is not a file", name);
+    }
+    if (access(real, R_OK) != 0) {
+        return complain(EXIT_FILES, "can't read `%s`: %s", name, strerror(errno));
     }
     loading->path = arena_copy_string(&loading->lang.arena, real, strlen(real));
     return loading->path ? EXIT_OK : no_memory();
@@ -112,10 +117,6 @@ int loading_begin(Loading *loading, const Options *options)
 
 bool loading_evaluate(Loading *loading)
 {
-    if (loading->is_text) {
-        Str text = {loading->text.bytes, loading->text.size};
-        return lang_load_text(&loading->lang, text, loading->path, loading->shown, &loading->scene);
-    }
     return lang_load(&loading->lang, loading->path, loading->shown, &loading->scene);
 }
 

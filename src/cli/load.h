@@ -15,7 +15,7 @@ typedef struct Loading {
     FileBytes text;    // of standard input or a pipe; else empty
     const char *path;  // absolute
     const char *shown; // as the user named it, "<stdin>"
-    bool is_text;      // `text` is the scene, not the file at `path`
+    bool is_text;      // `text` is the scene; there is no file at `path`
     bool has_lang, has_scene;
 } Loading;
 

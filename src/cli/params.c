@@ -7,12 +7,8 @@ int command_params(const Options *options)
     Loading loading;
     int code = loading_begin(&loading, options);
     if (code == EXIT_OK) {
-        if (loading.is_text) {
-            code = complain(EXIT_USAGE, "`params` reads a file, not a pipe");
-        } else {
-            lang_params_json(&loading.lang, loading.path, loading.shown, stdout);
-            code = loading_report(&loading);
-        }
+        lang_params_json(&loading.lang, loading.path, loading.shown, stdout);
+        code = loading_report(&loading);
     }
     loading_free(&loading);
     return code;

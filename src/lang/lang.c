@@ -8,6 +8,7 @@
 #include "lang/lexer.h"
 #include "lang/params.h"
 
+#include <string.h>
 #include <xxhash.h>
 
 bool lang_init(Lang *lang, const Schema *schema, Sandbox *sandbox)
@@ -39,9 +40,20 @@ static bool report_no_memory(Lang *lang)
     return false;
 }
 
+static uint32_t add_text(Lang *lang, Str text, const char *path, const char *shown)
+{
+    char *copy = arena_copy_string(&lang->arena, text.at, text.length);
+    uint32_t file =
+        copy ? sources_add(&lang->sources, shown, path, (Str){copy, text.length}, (Span){0}) : 0;
+    return file ? file : report_no_memory(lang);
+}
+
 // The number of the source, or 0 after a report.
 static uint32_t add_file(Lang *lang, const char *path, const char *shown)
 {
+    if (lang->given_path && strcmp(path, lang->given_path) == 0) {
+        return add_text(lang, lang->given_text, path, shown);
+    }
     FileBytes bytes;
     IoError error = sandbox_read(lang->sandbox, path, &bytes);
     if (error == IO_OK && bytes.size > lang->limits.file_bytes) {
@@ -59,14 +71,6 @@ static uint32_t add_file(Lang *lang, const char *path, const char *shown)
     }
     uint32_t file =
         sources_add(&lang->sources, shown, path, (Str){bytes.bytes, bytes.size}, (Span){0});
-    return file ? file : report_no_memory(lang);
-}
-
-static uint32_t add_text(Lang *lang, Str text, const char *path, const char *shown)
-{
-    char *copy = arena_copy_string(&lang->arena, text.at, text.length);
-    uint32_t file =
-        copy ? sources_add(&lang->sources, shown, path, (Str){copy, text.length}, (Span){0}) : 0;
     return file ? file : report_no_memory(lang);
 }
 

@@ -51,7 +51,10 @@ typedef struct Lang {
     Limits limits;
     const ParamSetting *settings;
     size_t setting_count;
-    FILE *print_to;         // where print() writes; NULL: nowhere
+    FILE *print_to; // where print() writes; NULL: nowhere
+    // The text that stands for the file at `given_path` (standard input); NULL: none. Not owned.
+    const char *given_path;
+    Str given_text;
     ARRAY(FileBytes) files; // the texts of the sources
 } Lang;
 

@@ -32,6 +32,19 @@ last="standard input that is too large"
 code=$?
 expect_code 3
 expect_text err "too large"
+for stage in tokens ast scene; do
+    last="--dump $stage"
+    "$SCNRENDER" - --dump $stage <ball.scn >out 2>err
+    code=$?
+    expect_code 0
+    expect_empty err
+    [ -s out ] || fail "$last: nothing"
+done
+last="params"
+"$SCNRENDER" params - <ball.scn >out 2>err
+code=$?
+expect_code 0
+"$JSON_CHECK" <out || fail "$last: not JSON"
 # Names start from the working folder.
 mkdir lib
 echo 'let grey = lambert { color: gray(0.2) }' >lib/materials.scn
