@@ -27,6 +27,7 @@ void shading_point(const World *world, const Surface *surface, Vec3 direction, S
 {
     out->world = world;
     out->surface = surface;
+    out->outside = 0;
     frame_in(out, surface->shading, surface->tangent, neg(direction), out);
 }
 
@@ -35,6 +36,7 @@ void shading_point_bend(const ShadingPoint *point, Vec3 normal, Vec3 tangent, Sh
     Vec3 wo = from_local(&point->frame, point->wo);
     out->world = point->world;
     out->surface = point->surface;
+    out->outside = point->outside;
     frame_in(point, normal, tangent, wo, out);
 }
 
@@ -116,6 +118,12 @@ Rgb material_pass(const World *world, uint32_t id, const Surface *surface)
 {
     const WorldMaterial *m = world_material(world, id);
     return m->class->pass ? m->class->pass(world, m->params, surface) : rgb_gray(0);
+}
+
+bool material_medium(const World *world, uint32_t id, Medium *out)
+{
+    const WorldMaterial *m = world_material(world, id);
+    return m->class->medium && m->class->medium(world, m->params, out);
 }
 
 LocalTerms material_local(const ShadingPoint *point, uint32_t id, Vec3 l)

@@ -11,6 +11,7 @@
 #define RENDER_MATERIAL_H
 
 #include "render/accel.h"
+#include "render/medium.h"
 
 struct World;
 
@@ -35,6 +36,8 @@ typedef struct ShadingPoint {
     Vec3 geometric; // the geometric normal, in the frame
     Vec3 wo;        // to the viewer, in the frame
     double wo_side; // wo · geometric: > 0 from the front
+    double outside; // index of refraction on the front side, as the integrator's MediumStack knows
+                    // it; 0: what the material says
 } ShadingPoint;
 
 typedef struct BsdfEval {
@@ -79,6 +82,8 @@ typedef struct MaterialClass {
     Rgb (*emitted_mean)(const struct World *world, const void *params);
     // The part of light that passes straight through, for shadow rays (cut-outs). NULL: none.
     Rgb (*pass)(const struct World *world, const void *params, const Surface *surface);
+    // What fills the back side, for closed surfaces of glass. False (or NULL): nothing.
+    bool (*medium)(const struct World *world, const void *params, Medium *out);
     // For the `local` integrator; l is unit, in the frame. NULL: see material_local.
     LocalTerms (*local)(const ShadingPoint *point, const void *params, Vec3 l);
 } MaterialClass;
@@ -88,6 +93,7 @@ typedef struct WorldMaterial {
     const MaterialClass *class;
     const void *params;
     uint32_t lobes;
+    const Medium *medium; // on the back side; or NULL
 } WorldMaterial;
 
 // Makes the point ready; `direction` is the ray's, unit, in the world. A shading normal whose back
@@ -115,6 +121,7 @@ Rgb material_albedo(const ShadingPoint *point, uint32_t id);
 Rgb material_emitted(const struct World *world, uint32_t id, const Surface *surface);
 Rgb material_emitted_mean(const struct World *world, uint32_t id);
 Rgb material_pass(const struct World *world, uint32_t id, const Surface *surface);
+bool material_medium(const struct World *world, uint32_t id, Medium *out);
 // The terms of the slides' simplified model. A material that doesn't say otherwise has no ambient
 // term there, and π times its BRDF and cosine as the specular one, so that Lambert's k/π is the
 // slides' k C max(0, n·l); delta lobes show nothing.

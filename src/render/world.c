@@ -1,6 +1,7 @@
 #include "render/world.h"
 
 #include "base/mem.h"
+#include "render/camera.h"
 #include "render/materials/lambert.h"
 #include "render/render.h"
 
@@ -18,13 +19,41 @@ static bool resolve_materials(World *world)
         const SceneNode *node = scene_node(scene, CATEGORY_MATERIAL, i);
         materials[i].class = (const MaterialClass *)scene_node_type(scene, node);
         materials[i].params = scene_params(scene, node);
+        materials[i].medium = NULL;
     }
-    materials[count] = (WorldMaterial){&lambert_material, &lambert_default, 0};
+    materials[count] = (WorldMaterial){&lambert_material, &lambert_default, 0, NULL};
     for (uint32_t i = 0; i <= count; ++i) {
         materials[i].lobes = material_lobes(world, i);
         world->all_lobes |= materials[i].lobes;
+        Medium medium;
+        if (material_medium(world, i, &medium)) {
+            Medium *kept = ARENA_NEW(&world->arena, Medium);
+            if (!kept) {
+                return false;
+            }
+            *kept = medium;
+            materials[i].medium = kept;
+        }
     }
     return true;
+}
+
+// The bodies that the scene's camera stands in, for the indices and absorption of the first way.
+static void find_camera_media(World *world)
+{
+    const Scene *scene = world->scene;
+    bool any = false;
+    for (uint32_t i = 0; i < world->material_count; ++i) {
+        any |= world->materials[i].medium != NULL;
+    }
+    if (any && scene->camera < scene->nodes[CATEGORY_CAMERA].count) {
+        Camera camera;
+        Ray ray;
+        camera_prepare(&camera, scene, scene->camera, 1, 1);
+        if (camera_ray(&camera, 0.5, 0.5, 0.5f, 0.5f, &ray)) {
+            world->camera_media = medium_around(world, ray.origin);
+        }
+    }
 }
 
 static bool build_parts(World *world, unsigned threads, DiagSink *sink)
@@ -39,6 +68,7 @@ static bool build_parts(World *world, unsigned threads, DiagSink *sink)
         diag_report(sink, E0001, (Span){0}, "no memory to make the scene ready for rendering");
         return false;
     }
+    find_camera_media(world);
     world->lights = light_set_build(world, &world->arena, sink);
     return world->lights != NULL;
 }

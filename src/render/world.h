@@ -19,9 +19,10 @@ typedef struct World {
     TextureSet *textures;
     const WorldMaterial *materials; // material_count + 1; the last is the default
     uint32_t material_count;
-    uint32_t all_lobes; // union over the materials in the scene
-    bool shape_lights;  // some light is a shape
-    Arena arena;        // of materials and lights
+    uint32_t all_lobes;       // union over the materials in the scene
+    bool shape_lights;        // some light is a shape
+    MediumStack camera_media; // the transparent bodies that the camera stands in
+    Arena arena;              // of materials and lights
     // from `render { … }`
     int64_t bounces;
     int32_t sampling;

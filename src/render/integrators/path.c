@@ -17,9 +17,11 @@ typedef struct Path {
     const World *world;
     Sampler *sampler;
     IntegratorStats *stats;
-    Rgb throughput; // of the path so far
-    Rgb radiance;   // found so far
-    int64_t depth;  // scatterings so far
+    Rgb throughput;    // of the path so far
+    Rgb radiance;      // found so far
+    int64_t depth;     // scatterings so far
+    float squeeze;     // radiance here over radiance at the camera, by indices of refraction alone
+    MediumStack media; // the transparent bodies that the present ray is in
     // How the present ray's direction was chosen, for the weight of light that it hits.
     LightReceiver receiver; // where it was chosen
     float pdf;              // by solid angle
@@ -133,6 +135,17 @@ static LightReceiver receiver_at(const ShadingPoint *point)
     return receiver;
 }
 
+// The part of light that arrives from a light in direction wi, through what the ray is in there.
+static Rgb light_visibility(const Path *path, const ShadingPoint *point, Vec3 wi, const Ray *shadow)
+{
+    if (wi.z * point->wo.z > 0) {
+        return medium_visibility(path->world, &path->media, shadow);
+    }
+    MediumStack beyond = path->media;
+    medium_cross(path->world, &beyond, point->surface);
+    return medium_visibility(path->world, &beyond, shadow);
+}
+
 // Light sampling: one direction to one light.
 static void add_direct(Path *path, const ShadingPoint *point, const SurfaceNumbers *n)
 {
@@ -160,7 +173,7 @@ static void add_direct(Path *path, const ShadingPoint *point, const SurfaceNumbe
     Ray shadow = isfinite(s.distance) ? surface_spawn_to(surface, s.point, s.error, &distance)
                                       : surface_spawn(surface, s.direction);
     ++path->stats->shadow_rays;
-    Rgb visible = world_visibility(world, &shadow);
+    Rgb visible = light_visibility(path, point, wi, &shadow);
     if (rgb_is_black(visible)) {
         return;
     }
@@ -172,13 +185,14 @@ static void add_direct(Path *path, const ShadingPoint *point, const SurfaceNumbe
     --path->depth;
 }
 
-// Ends paths by chance, the dimmer the sooner; what survives is brighter by as much.
+// Ends paths by chance, the dimmer the sooner; what survives is brighter by as much. That radiance
+// is squeezed in glass doesn't make a path dim.
 static bool roulette(Path *path, float number)
 {
     if (!path->world->russian_roulette || path->depth < ROULETTE_START) {
         return true;
     }
-    float survival = rgb_max(path->throughput);
+    float survival = rgb_max(path->throughput) * path->squeeze;
     if (survival >= 1) {
         return true;
     }
@@ -211,6 +225,10 @@ static bool scatter(Path *path, const ShadingPoint *point, const SurfaceNumbers 
     }
     Vec3 direction = ray->direction;
     if (!(s.lobes & LOBE_PASS)) {
+        path->squeeze *= s.eta * s.eta;
+        if (s.wi.z * point->wo.z < 0) {
+            medium_cross(world, &path->media, point->surface);
+        }
         ++path->depth;
         if ((path->depth == world->bounces && !last_ray_needed(world)) ||
             !roulette(path, n->roulette)) {
@@ -225,6 +243,17 @@ static bool scatter(Path *path, const ShadingPoint *point, const SurfaceNumbers 
     return true;
 }
 
+// Absorbs on the way to the present surface; one that is seen from behind, though nothing says that
+// its body was entered, was begun in.
+static void absorb(Path *path, double distance, const Surface *surface)
+{
+    const Medium *medium = medium_current(&path->media);
+    if (!medium && !surface->front) {
+        medium = world_material(path->world, surface->material)->medium;
+    }
+    path->throughput = rgb_mul(path->throughput, medium_transmittance(medium, distance));
+}
+
 static void trace(Path *path, Ray ray, AovSample *aov)
 {
     const World *world = path->world;
@@ -233,17 +262,27 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         Hit hit;
         ++path->stats->rays;
         if (!accel_intersect(world->accel, &ray, &hit)) {
+            path->throughput = rgb_mul(
+                path->throughput, medium_transmittance(medium_current(&path->media), INFINITY));
             add_escaped(path, ray.direction);
             return;
         }
         Surface surface;
         accel_surface(world->accel, &ray, &hit, &surface);
+        absorb(path, hit.t, &surface);
+        MediumBoundary boundary = medium_boundary(world, &path->media, &surface);
+        if (boundary.hidden) {
+            medium_cross(world, &path->media, &surface);
+            ray = surface_spawn(&surface, ray.direction);
+            continue;
+        }
         add_emitted(path, &surface, ray.direction);
         if (path->depth >= world->bounces && !(aov && i == 0)) {
             return;
         }
         ShadingPoint point;
         shading_point(world, &surface, ray.direction, &point);
+        point.outside = boundary.medium ? boundary.outside : 0;
         if (aov && i == 0) {
             aov_fill(&hit, &point, aov);
             if (path->depth >= world->bounces) {
@@ -268,6 +307,8 @@ static Rgb radiance(const World *world, const Ray *ray, Sampler *sampler, AovSam
                  .sampler = sampler,
                  .stats = stats,
                  .throughput = rgb_gray(1),
+                 .squeeze = 1,
+                 .media = world->camera_media,
                  .certain = true};
     trace(&path, *ray, aov);
     Rgb found = path.radiance;

@@ -97,6 +97,12 @@ static Rgb pass(const World *world, const void *params, const Surface *surface)
     return emissive->base == NONE_ID ? rgb_gray(0) : material_pass(world, emissive->base, surface);
 }
 
+static bool medium(const World *world, const void *params, Medium *out)
+{
+    const Emissive *emissive = params;
+    return emissive->base != NONE_ID && material_medium(world, emissive->base, out);
+}
+
 static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
 {
     const Emissive *emissive = params;
@@ -122,5 +128,6 @@ const MaterialClass emissive_material = {
     .emitted = emitted,
     .emitted_mean = emitted_mean,
     .pass = pass,
+    .medium = medium,
     .local = local,
 };

@@ -135,6 +135,12 @@ static Rgb pass(const World *world, const void *params, const Surface *surface)
                  weight_at(world, mix, surface));
 }
 
+static bool medium(const World *world, const void *params, Medium *out)
+{
+    const Mix *mix = params;
+    return material_medium(world, mix->a, out) || material_medium(world, mix->b, out);
+}
+
 static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
 {
     const Mix *mix = params;
@@ -169,5 +175,6 @@ const MaterialClass mix_material = {
     .emitted = emitted,
     .emitted_mean = emitted_mean,
     .pass = pass,
+    .medium = medium,
     .local = local,
 };

@@ -106,7 +106,7 @@ static void normalisations(void **state)
             assert_near(integrate(projected, &lobe, 1e-10), 1, 1e-6);
             // Under grazing views the density has an edge close to the pole.
             assert_near(integrate(visible, &lobe, 1e-10), 1, theta < 60 ? 1e-6 : 1e-5);
-            assert_near(integrate(weak_furnace, &lobe, 1e-10), 1, 1e-5);
+            assert_near(integrate(weak_furnace, &lobe, 1e-10), 1, theta < 60 ? 1e-5 : 1e-4);
         }
     }
 }
