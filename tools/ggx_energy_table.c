@@ -6,7 +6,7 @@
 //     -DWITH_TABLE -o /tmp/table
 //   /tmp/table mean > src/render/ggx_energy_mean.inc      (zeros at first, so that it compiles)
 #include "render/ggx_energy.h"
-#include "render/microfacet.h"
+#include "base/microfacet.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 // Blinn's variant of Phong's model: a highlight where the half vector meets the normal.
-#include "render/fresnel.h"
+#include "base/fresnel.h"
 #include "render/materials/phong_model.h"
 
 // n·h with h = (l + v)/|l + v|.

@@ -1,5 +1,5 @@
 // Burley's diffuse reflection: brighter at grazing angles the rougher it is.
-#include "render/fresnel.h"
+#include "base/fresnel.h"
 #include "render/world.h"
 
 typedef struct Burley {

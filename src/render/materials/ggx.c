@@ -1,7 +1,7 @@
 // Microfacet reflection: metals, and rough surfaces of which only the reflection counts.
 #include "render/materials/ggx.h"
 
-#include "render/fresnel.h"
+#include "base/fresnel.h"
 #include "render/ggx_energy.h"
 #include "render/world.h"
 

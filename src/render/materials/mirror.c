@@ -1,5 +1,5 @@
 // A perfect mirror, of any color or of a metal.
-#include "render/fresnel.h"
+#include "base/fresnel.h"
 #include "render/world.h"
 
 typedef struct Mirror {

@@ -3,7 +3,7 @@
 #define RENDER_MATERIALS_ROUGHNESS_H
 
 #include "render/material.h"
-#include "render/microfacet.h"
+#include "base/microfacet.h"
 #include "render/texture.h"
 
 typedef struct Roughness {

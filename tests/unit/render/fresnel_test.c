@@ -1,6 +1,6 @@
 // The Fresnel formulas, Snell's law, and reference check 23.
 #include "../test_support.h"
-#include "render/fresnel.h"
+#include "base/fresnel.h"
 
 #include <complex.h>
 

@@ -1,9 +1,9 @@
 // phong, blinn_phong, burley, mirror, ggx, mix and lambert: against their expressions, and their
 // sample, eval and pdf against each other (reference checks 17 to 22).
+#include "base/fresnel.h"
+#include "base/microfacet.h"
 #include "bsdf_check.h"
-#include "render/fresnel.h"
 #include "render/ggx_energy.h"
-#include "render/microfacet.h"
 
 static Bench bench;
 

@@ -1,7 +1,7 @@
 // GGX's parts against their expressions (reference check 20), and the table of its albedo.
 #include "bsdf_check.h"
 #include "render/ggx_energy.h"
-#include "render/microfacet.h"
+#include "base/microfacet.h"
 
 static const Ggx SURFACES[] = {{0.1, 0.1}, {0.5, 0.5}, {1, 1}, {0.1, 0.6}, {0.9, 0.25}};
 

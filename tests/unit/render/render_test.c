@@ -43,7 +43,7 @@ static Rgb hashed_radiance(const World *world, const Ray *ray, Sampler *sampler,
     const float v = sampler_1d(sampler);
     return rgb(v * exp2f((float)(key % 25) - 12), v, hash_to_float(key));
 }
-static const IntegratorClass hashed = {"hashed", "of the test", hashed_radiance};
+static const IntegratorClass hashed = {"hashed", "of the test", hashed_radiance, NULL};
 
 static Rgb constant_radiance(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
                              IntegratorStats *stats)
@@ -51,7 +51,7 @@ static Rgb constant_radiance(const World *world, const Ray *ray, Sampler *sample
     (void)world, (void)ray, (void)sampler, (void)aov, (void)stats;
     return rgb(0.25f, 1, 3.7f);
 }
-static const IntegratorClass constant = {"constant", "of the test", constant_radiance};
+static const IntegratorClass constant = {"constant", "of the test", constant_radiance, NULL};
 
 // Every fourth sample or so is bad.
 static Rgb bad_radiance(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
@@ -64,7 +64,7 @@ static Rgb bad_radiance(const World *world, const Ray *ray, Sampler *sampler, Ao
            : pick == 2 ? rgb(1, 1, -1)
                        : rgb(1, 1, 1);
 }
-static const IntegratorClass bad = {"bad", "of the test", bad_radiance};
+static const IntegratorClass bad = {"bad", "of the test", bad_radiance, NULL};
 
 // --- A scene with a camera and settings ----------------------------------------------------------
 
@@ -203,7 +203,7 @@ static Rgb stopping_radiance(const World *world, const Ray *ray, Sampler *sample
     }
     return hashed_radiance(world, ray, sampler, aov, stats);
 }
-static const IntegratorClass stopping = {"stopping", "of the test", stopping_radiance};
+static const IntegratorClass stopping = {"stopping", "of the test", stopping_radiance, NULL};
 
 static void stopped_runs_go_on_to_the_same_bytes(void **state)
 {

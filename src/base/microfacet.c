@@ -1,4 +1,4 @@
-#include "render/microfacet.h"
+#include "base/microfacet.h"
 
 double ggx_d(Ggx ggx, Vec3 m)
 {

@@ -1,4 +1,4 @@
-#include "render/fresnel.h"
+#include "base/fresnel.h"
 
 // cos_t from Snell's law; negative under total internal reflection.
 static double snell(double cos_i, double eta)
