@@ -30,35 +30,33 @@ static bool stays_below(const char *file)
     return true;
 }
 
-// The folder of `file` beside the scene must not be a link that leads elsewhere.
-static bool folder_is_inside(const char *path, const char *scene_folder)
+// Nor may a link among the folders of `file` lead out. `base` is the scene's folder.
+static bool folder_is_inside(const char *path, const char *base, Arena *arena)
 {
-    char folder[PATH_MAX], real[PATH_MAX];
-    size_t length = (size_t)(strrchr(path, '/') - path);
-    if (length >= sizeof folder) {
+    char real[PATH_MAX], real_base[PATH_MAX];
+    const char *folder = arena_printf(arena, "%.*s", (int)(strrchr(path, '/') - path), path);
+    if (!folder || !realpath(base, real_base)) {
         return false;
     }
-    memcpy(folder, path, length);
-    folder[length] = '\0';
-    if (!realpath(length ? folder : "/", real)) {
+    if (!realpath(*folder ? folder : "/", real)) {
         return true; // it isn't there; whoever opens the file will say so
     }
-    size_t scene_length = strlen(scene_folder);
-    return strncmp(real, scene_folder, scene_length) == 0 &&
-           (real[scene_length] == '/' || real[scene_length] == '\0' || scene_length == 1);
+    size_t length = strlen(real_base);
+    return strncmp(real, real_base, length) == 0 &&
+           (real[length] == '/' || real[length] == '\0' || length == 1);
 }
 
 static int named_by_scene(Picture *picture, Loading *loading, const char *file)
 {
-    const char *slash = strrchr(loading->path, '/');
-    int length = slash > loading->path ? (int)(slash - loading->path) : 0;
     Arena *arena = &loading->scene.arena;
-    picture->path = arena_printf(arena, "%.*s/%s", length, loading->path, file);
-    const char *folder = arena_printf(arena, "%.*s", length ? length : 1, loading->path);
-    if (!picture->path || !folder) {
+    const char *shown = loading->is_text ? "" : loading->shown;
+    const char *slash = strrchr(shown, '/');
+    const char *base = slash ? arena_printf(arena, "%.*s", (int)(slash - shown) + 1, shown) : "./";
+    picture->path = base ? arena_printf(arena, "%s%s", base, file) : NULL;
+    if (!picture->path) {
         return complain(EXIT_NO_MEMORY, "not enough memory");
     }
-    if (!stays_below(file) || !folder_is_inside(picture->path, folder)) {
+    if (!stays_below(file) || !folder_is_inside(picture->path, base, arena)) {
         return complain(EXIT_DIAGNOSTICS,
                         "the scene's picture `%s` would lie outside the scene's folder; say -o %s "
                         "if you want it there",
@@ -176,7 +174,8 @@ int picture_begin(Picture *picture, Loading *loading)
         return code;
     }
     if (!image_can_write(picture->path)) {
-        return complain(EXIT_USAGE, "`%s` is not of a type that can be written: %s", picture->path,
+        int wrong = loading->options->output ? EXIT_USAGE : EXIT_DIAGNOSTICS;
+        return complain(wrong, "`%s` is not of a type that can be written: %s", picture->path,
                         image_extensions());
     }
     if (!image_has_bits(picture->path, picture->bits)) {

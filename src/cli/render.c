@@ -203,7 +203,7 @@ static int finish(Rendering *rendering, bool rendered, int signal_number)
         double pixels = (double)film_pixel_count(film);
         complain(EXIT_OK, "interrupted; `%s` has what was done, %.1f samples a pixel",
                  rendering->picture.path, (double)rendering->stats.samples / pixels);
-    } else if (!options->quiet) {
+    } else if (!options->quiet && !options->json) {
         print_statistics(rendering, film);
     }
     return interrupted;

@@ -17,6 +17,9 @@ run check ball.scn
 expect_code 0
 expect_text err "warning[W"
 expect_text err "1 warning"
+run ball.scn --samples 1 --diagnostics json
+expect_code 0
+"$JSON_CHECK" lines <err || { fail "not only JSON:"; cat err >&2; }
 run check ball.scn --quiet
 expect_code 0
 expect_empty err

@@ -22,6 +22,15 @@ for file in ../out.png "$work/out.png" sub/../../out.png; do
     expect_text err "outside the scene's folder"
     [ ! -e out.png ] || fail "$file was written"
 done
+sed 's/height: 20/height: 20, file: "deep\/mine.png"/' ball.scn >sub/deep.scn
+mkdir sub/deep
+run sub/deep.scn
+expect_code 0
+expect_text err "sub/deep/mine.png: 32"
+sed 's/height: 20/height: 20, file: "mine.txt"/' ball.scn >sub/typed.scn
+run sub/typed.scn
+expect_code 1
+expect_text err "not of a type"
 mkdir elsewhere
 ln -s ../elsewhere sub/link
 sed 's|height: 20|height: 20, file: "link/out.png"|' ball.scn >sub/reaching.scn
