@@ -16,6 +16,8 @@
 
 #include <time.h>
 
+extern const IntegratorClass path_integrator;
+
 enum { REPLICATES = 32, MAX_CHECKS = 128 };
 static const double ALPHA = 1e-3;
 
@@ -35,7 +37,6 @@ static inline void estimate_replicate(void *context, uint64_t item, unsigned wor
 {
     (void)worker;
     Estimate *e = context;
-    const IntegratorClass *path = integrator_classes[0];
     IntegratorStats stats = {0};
     double sum = 0;
     for (uint32_t i = 0; i < e->samples; ++i) {
@@ -46,7 +47,7 @@ static inline void estimate_replicate(void *context, uint64_t item, unsigned wor
         sampler_2d(&sampler, &numbers[2], &numbers[3]);
         Ray ray = {.tmax = INFINITY};
         double weight = e->ray(e->context, numbers, &ray);
-        sum += weight * (double)path->radiance(e->world, &ray, &sampler, NULL, &stats).g;
+        sum += weight * (double)path_integrator.radiance(e->world, &ray, &sampler, NULL, &stats).g;
     }
     e->means[item] = sum / e->samples;
     e->rays[item] = stats.rays + stats.shadow_rays;
