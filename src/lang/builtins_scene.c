@@ -34,8 +34,7 @@ Value builtin_rgb(Call *call)
     return three_numbers(call, c) ? make_color(call->ev, c[0], c[1], c[2]) : value_error();
 }
 
-// IEC 61966-2-1, odd about 0 so that colors outside the gamut stay what they are.
-static double decode_srgb(double c)
+double decode_srgb(double c)
 {
     double a = fabs(c);
     return copysign(a <= 0.04045 ? a / 12.92 : pow((a + 0.055) / 1.055, 2.4), c);

@@ -159,7 +159,6 @@ static bool bind_defaults(Eval *ev, Env *frame, const Closure *closure, Span at)
             note_signature(ev, diag, closure);
             return false;
         }
-        frame->slots[i].type = VALUE_ERROR; // for a default that reads itself or what follows
         frame->slots[i] = eval(ev, frame, expression);
     }
     return true;
@@ -257,21 +256,12 @@ static Value call_builtin_node(Eval *ev, Env *env, AstId id, uint32_t builtin)
     return call_builtin(ev, env, id, env_span(env, id), builtin, args, count);
 }
 
-// A closure whose value is a plain number leaves nothing behind on the arena, unless a let that
-// lives on was evaluated meanwhile.
 static Value call_closure_node(Eval *ev, Env *env, AstId id, const Closure *closure)
 {
-    ArenaMark mark = arena_mark(ev->arena);
-    uint64_t before = ev->oldest_forced, first = ev->serial + 1;
-    ev->oldest_forced = UINT64_MAX;
+    TidyMark mark = tidy_begin(ev);
     Env *frame = bind_arguments(ev, env, id, closure);
     Value v = frame ? run_closure(ev, closure, frame, env_span(env, id)) : value_error();
-    if (is_unboxed(v) && ev->oldest_forced >= first) {
-        arena_rewind(ev->arena, mark);
-    }
-    if (before < ev->oldest_forced) {
-        ev->oldest_forced = before;
-    }
+    tidy_end(ev, mark, v);
     return v;
 }
 

@@ -71,8 +71,7 @@ uint32_t add_transform(Eval *ev, const Affine *transform, Span at)
     return id;
 }
 
-// The emitter for what lies in a group (or instance) with this transform and material.
-static Emitter nested_emitter(const Emitter *outer, const Affine *transform, uint32_t material)
+Emitter nested_emitter(const Emitter *outer, const Affine *transform, uint32_t material)
 {
     Emitter inner = *outer;
     inner.material = material == NONE_ID ? outer->material : material;
@@ -97,9 +96,9 @@ static uint32_t emitted_transform(Eval *ev, const Affine *own, Span at)
     return add_transform(ev, &product, at);
 }
 
-static uint32_t material_id(Eval *ev, const NodeValue *material)
+static uint32_t material_id(Eval *ev, NodeValue *material)
 {
-    return material ? node_scene_id(ev, (NodeValue *)(uintptr_t)material) : NONE_ID;
+    return material ? node_scene_id(ev, material) : NONE_ID;
 }
 
 // --- Nodes -----------------------------------------------------------------------------------
@@ -156,12 +155,12 @@ static void emit_shape(Eval *ev, const NodeValue *node)
 // the whole transform to the world.
 static uint32_t add_light_shape(Eval *ev, const NodeValue *light)
 {
-    const Emitter *outer = ev->emitter;
+    Emitter *outer = ev->emitter;
     Emitter inner = nested_emitter(outer, light->transform, NONE_ID);
     ev->emitter = &inner;
     const NodeValue *shape = light->of;
     uint32_t transform = emitted_transform(ev, shape->transform, light->at);
-    ev->emitter = (Emitter *)(uintptr_t)outer;
+    ev->emitter = outer;
     if (transform == NONE_ID) {
         return NONE_ID;
     }

@@ -86,11 +86,24 @@ Value force_slot(Eval *ev, Env *env, uint32_t slot, AstId item)
     return v;
 }
 
-static Value eval_name(Eval *ev, Env *env, const AstNode *node)
+// The default of a parameter reads one that has no value yet.
+static Value report_unset(Eval *ev, Env *env, AstId id)
 {
+    const AstNode *node = env_node(env, id);
+    const char *name = symbol_name(ev->names, env_node(env, node->b)->a).at;
+    Diag *diag = report(ev, E0502, env_span(env, id), "`%s` has no value yet", name);
+    diag_note(ev->sink, diag, "a default may use the parameters to its left");
+    return value_error();
+}
+
+static Value eval_name(Eval *ev, Env *env, AstId id)
+{
+    const AstNode *node = env_node(env, id);
     switch ((NameKind)node->op) {
-    case NAME_VARIABLE:
-        return env_up(env, node->aux)->slots[node->a];
+    case NAME_VARIABLE: {
+        Value v = env_up(env, node->aux)->slots[node->a];
+        return v.type == VALUE_UNSET ? report_unset(ev, env, id) : v;
+    }
     case NAME_LET:
         return force_slot(ev, env_up(env, node->aux), node->a, node->b);
     case NAME_GLOBAL:
@@ -137,21 +150,21 @@ typedef struct ListMaker {
 
 static void add_item(Eval *ev, Env *env, AstId id, ListMaker *list);
 
-// What an item leaves on the arena is given back where its value is a plain number, unless a let
-// that lives on was evaluated meanwhile.
-static Value eval_and_tidy(Eval *ev, Env *env, AstId id)
+TidyMark tidy_begin(Eval *ev)
 {
-    ArenaMark mark = arena_mark(ev->arena);
-    uint64_t before = ev->oldest_forced, first = ev->serial + 1;
+    TidyMark mark = {arena_mark(ev->arena), ev->oldest_forced, ev->serial + 1};
     ev->oldest_forced = UINT64_MAX;
-    Value v = eval(ev, env, id);
-    if (is_unboxed(v) && ev->oldest_forced >= first) {
-        arena_rewind(ev->arena, mark);
+    return mark;
+}
+
+void tidy_end(Eval *ev, TidyMark mark, Value v)
+{
+    if (is_unboxed(v) && ev->oldest_forced >= mark.first) {
+        arena_rewind(ev->arena, mark.mark);
     }
-    if (before < ev->oldest_forced) {
-        ev->oldest_forced = before;
+    if (mark.oldest_forced < ev->oldest_forced) {
+        ev->oldest_forced = mark.oldest_forced;
     }
-    return v;
 }
 
 static void add_loop(Eval *ev, Env *env, AstId id, ListMaker *list)
@@ -196,7 +209,9 @@ static void add_item(Eval *ev, Env *env, AstId id, ListMaker *list)
         add_if(ev, env, id, list);
         return;
     }
-    Value v = eval_and_tidy(ev, env, id);
+    TidyMark mark = tidy_begin(ev);
+    Value v = eval(ev, env, id);
+    tidy_end(ev, mark, v);
     if (v.type == VALUE_NOTHING) {
         v = fail(report(ev, E0509, env_span(env, id), "this gives no value"));
     }
@@ -412,7 +427,7 @@ Value eval(Eval *ev, Env *env, AstId id)
     case AST_BOOL:
         return value_bool(node->a != 0);
     case AST_NAME:
-        return eval_name(ev, env, node);
+        return eval_name(ev, env, id);
     case AST_VECTOR:
         return eval_vector(ev, env, id);
     case AST_LIST:

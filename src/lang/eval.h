@@ -250,6 +250,14 @@ Value force_slot(Eval *ev, Env *env, uint32_t slot, AstId item);
 // True or false; an error for anything else.
 typedef enum Truth { TRUTH_FALSE, TRUTH_TRUE, TRUTH_ERROR } Truth;
 Truth eval_condition(Eval *ev, Env *env, AstId id, const char *what);
+// Gives back what an evaluation left on the arena where its value is a plain number, unless a let
+// that lives on was evaluated meanwhile.
+typedef struct TidyMark {
+    ArenaMark mark;
+    uint64_t oldest_forced, first;
+} TidyMark;
+TidyMark tidy_begin(Eval *ev);
+void tidy_end(Eval *ev, TidyMark mark, Value v);
 // A list or range; an error for anything else.
 Value eval_sequence(Eval *ev, Env *env, AstId id);
 static inline Value sequence_item(Value sequence, uint32_t i)
@@ -317,6 +325,9 @@ typedef struct RegionMark {
 } RegionMark;
 RegionMark region_enter(Eval *ev);
 void region_leave(Eval *ev, RegionMark mark);
+// The emitter for what lies in a group (or instance) with this transform (NULL: none) and material
+// (NONE_ID: none).
+Emitter nested_emitter(const Emitter *outer, const Affine *transform, uint32_t material);
 uint32_t add_transform(Eval *ev, const Affine *transform, Span at);
 
 // node.c
@@ -353,6 +364,8 @@ Value eval_param(Eval *ev, Env *env, AstId item);
 bool check_settings(Eval *ev, Module *module);
 
 // builtins.c
+// IEC 61966-2-1, odd about 0 so that colors outside the gamut stay what they are.
+double decode_srgb(double c);
 typedef struct Call {
     Eval *ev;
     Env *env; // NULL with node = 0 where no arguments stand in a source

@@ -220,16 +220,8 @@ static bool build_items(Eval *ev, Env *env, uint32_t list, NodeValue *group, boo
         NodeValue around = *group; // the list given as `items`
         emit_node(ev, &around);
         Emitter *outer = ev->emitter;
-        Emitter inner = *outer;
-        inner.material = group->material
-                             ? node_scene_id(ev, (NodeValue *)(uintptr_t)group->material)
-                             : outer->material;
-        if (group->transform) {
-            inner.transform = outer->is_identity
-                                  ? *group->transform
-                                  : affine_multiply(&outer->transform, group->transform);
-            inner.is_identity = false;
-        }
+        uint32_t material = group->material ? node_scene_id(ev, group->material) : NONE_ID;
+        Emitter inner = nested_emitter(outer, group->transform, material);
         ev->emitter = &inner;
         run_items(ev, env, words + 1, words[0]);
         ev->emitter = outer;

@@ -173,18 +173,12 @@ static void resolve_number(Resolver *r, AstId id)
     }
 }
 
-// IEC 61966-2-1.
-static double decode_srgb(uint32_t byte)
-{
-    double c = byte / 255.0;
-    return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
-}
-
 static void resolve_color(Resolver *r, AstId id)
 {
     AstNode *node = node_at(r, id);
-    Value color = make_color(r->ev, decode_srgb(node->a >> 16 & 255),
-                             decode_srgb(node->a >> 8 & 255), decode_srgb(node->a & 255));
+    Value color =
+        make_color(r->ev, decode_srgb((node->a >> 16 & 255) / 255.0),
+                   decode_srgb((node->a >> 8 & 255) / 255.0), decode_srgb((node->a & 255) / 255.0));
     if (!array_push(&r->module->constants, color)) {
         out_of_memory(r->ev);
     }

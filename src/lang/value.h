@@ -52,15 +52,15 @@ _Static_assert(sizeof(Value) == 16, "a Value is 16 bytes");
 
 // A value of a kind. Its parameter struct lies in the same arena; ids inside refer to the scene.
 struct NodeValue {
-    uint16_t type;             // number in the schema
-    uint32_t scene_id;         // materials, textures, …: id once kept in the scene; else NONE_ID
-    uint64_t set;              // bit i: the author gave params[i]
-    void *params;              // as the scene keeps them
-    const void *raw;           // before the kind's `finish`: what `with` starts from
-    const Affine *transform;   // NULL: the identity
-    const NodeValue *material; // NULL: none given
-    Str name;                  // empty: none
-    Rgb color;                 // lights
+    uint16_t type;           // number in the schema
+    uint32_t scene_id;       // materials, textures, …: id once kept in the scene; else NONE_ID
+    uint64_t set;            // bit i: the author gave params[i]
+    void *params;            // as the scene keeps them
+    const void *raw;         // before the kind's `finish`: what `with` starts from
+    const Affine *transform; // NULL: the identity
+    NodeValue *material;     // NULL: none given
+    Str name;                // empty: none
+    Rgb color;               // lights
     Span at;
     const Value *items; // groups: NODEs
     uint32_t item_count;
