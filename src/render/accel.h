@@ -19,6 +19,7 @@ typedef struct Surface {
     Vec3 geometric; // unit, towards the shape's front side (outwards), whichever side was hit
     Vec3 shading;   // unit, on the same side as geometric
     Vec3 tangent;   // dp/du in the world, not normalized
+    Vec3 bitangent; // dp/dv in the world, not normalized
     Vec3 object_p;  // p in the shape's own space, for textures of object space
     Vec2 uv;
     Rgb color;    // vertex color

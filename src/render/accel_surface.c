@@ -223,6 +223,7 @@ void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *
     out->geometric = point.geometric;
     out->shading = dot(point.shading, point.geometric) < 0 ? neg(point.shading) : point.shading;
     out->tangent = point.tangent;
+    out->bitangent = point.bitangent;
     out->uv = point.uv;
     out->color = point.color;
     out->error = point.error;

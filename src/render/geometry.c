@@ -76,6 +76,7 @@ void shape_point_map(const Affine *to_world, ShapePoint *point)
     point->geometric = map_normal(&cofactors, mirrored, point->geometric);
     point->shading = smooth ? map_normal(&cofactors, mirrored, point->shading) : point->geometric;
     point->tangent = transform_vector(to_world, point->tangent);
+    point->bitangent = transform_vector(to_world, point->bitangent);
 }
 
 // splitmix64 (Steele, Lea, Flood 2014)

@@ -29,6 +29,7 @@ typedef struct ShapePoint {
     Vec3 geometric; // unit normal, outwards; the front side
     Vec3 shading;   // unit; differs from geometric on smooth meshes
     Vec3 tangent;   // dp/du, not normalized; any tangent where uv is degenerate
+    Vec3 bitangent; // dp/dv, likewise
     Vec2 uv;
     Rgb color;    // vertex color; white where there is none
     double error; // bound on the distance from p to the true surface

@@ -225,6 +225,7 @@ static bool sample(const World *world, const Light *light, Vec3 reference, doubl
                        .geometric = s.point.geometric,
                        .shading = s.point.shading,
                        .tangent = s.point.tangent,
+                       .bitangent = s.point.bitangent,
                        .object_p = transform_point(&data->to_object, s.point.p),
                        .uv = s.point.uv,
                        .color = s.point.color,

@@ -170,6 +170,7 @@ static void box_point_at(const Box *box, uint32_t face, double u, double v, Shap
                         .geometric = n,
                         .shading = n,
                         .tangent = f.u,
+                        .bitangent = f.v,
                         .uv = {u, v},
                         .color = {1, 1, 1},
                         .error = rounding_error(fmax(max_abs(box->min), max_abs(box->max)))};

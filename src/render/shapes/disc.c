@@ -82,16 +82,16 @@ static void disc_point_at(const Disc *disc, Vec3 from, ShapePoint *out)
 {
     Frame frame = frame_from_normal(disc->normal);
     double x = dot(from, frame.s), y = dot(from, frame.t), r = sqrt(x * x + y * y);
-    double around = atan2(y, x) / (2 * PI);
-    *out = (ShapePoint){
-        .p = add(disc->center, from),
-        .geometric = disc->normal,
-        .shading = disc->normal,
-        .tangent = r > 1e-12 * disc->radius ? scale(cross(disc->normal, from), 2 * PI) : frame.s,
-        .uv = {around < 0 ? around + 1 : around,
-               (disc->radius - r) / (disc->radius - disc->inner_radius)},
-        .color = {1, 1, 1},
-        .error = rounding_error(max_abs(disc->center) + disc->radius)};
+    double around = atan2(y, x) / (2 * PI), ring = disc->radius - disc->inner_radius;
+    bool middle = !(r > 1e-12 * disc->radius);
+    *out = (ShapePoint){.p = add(disc->center, from),
+                        .geometric = disc->normal,
+                        .shading = disc->normal,
+                        .tangent = middle ? frame.s : scale(cross(disc->normal, from), 2 * PI),
+                        .bitangent = middle ? frame.t : scale(from, -ring / r),
+                        .uv = {around < 0 ? around + 1 : around, (disc->radius - r) / ring},
+                        .color = {1, 1, 1},
+                        .error = rounding_error(max_abs(disc->center) + disc->radius)};
 }
 
 static void disc_point(const Scene *scene, const void *params, const Ray *ray, const ShapeHit *hit,

@@ -30,6 +30,7 @@ static inline void flat_point(Vec3 corner, Vec3 u, Vec3 v, double s, double t, S
                         .geometric = normal,
                         .shading = normal,
                         .tangent = u,
+                        .bitangent = v,
                         .uv = {s, t},
                         .color = {1, 1, 1},
                         .error = rounding_error(size)};

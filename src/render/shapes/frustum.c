@@ -114,10 +114,13 @@ static void point_at(const Frustum *f, uint32_t part, double x, double y, double
     Vec3 n = part == FRUSTUM_SIDE ? normalize(vec3(x, y, -k)) : vec3(0, 0, turn);
     n = from_local(&f->frame, n);
     double tangent = r > 0 ? 2 * PI * r * turn : 1;
+    Vec3 along = part == FRUSTUM_SIDE ? vec3(x * (f->r1 - f->r0), y * (f->r1 - f->r0), f->height)
+                                      : vec3(-x * end, -y * end, 0);
     *out = (ShapePoint){.p = add(f->from, from_local(&f->frame, vec3(x * r, y * r, z))),
                         .geometric = n,
                         .shading = n,
                         .tangent = scale(from_local(&f->frame, vec3(-y, x, 0)), tangent),
+                        .bitangent = from_local(&f->frame, along),
                         .uv = {around < 0 ? around + 1 : around,
                                part == FRUSTUM_SIDE ? z / f->height : (end - r) / end},
                         .color = {1, 1, 1},

@@ -145,7 +145,8 @@ static Vec2 mesh_uv(const Mesh *mesh, uint32_t vertex)
     return (Vec2){(double)uv[0], (double)uv[1]};
 }
 
-// The uv, and dp/du: the combination of the edges along which u grows by 1 and v stays.
+// The uv, and dp/du: the combination of the edges along which u grows by 1 and v stays; dp/dv
+// likewise.
 static void mesh_texture(const Mesh *mesh, const Corners *c, ShapePoint *out)
 {
     Vec2 a = mesh_uv(mesh, c->vertex[0]), b = mesh_uv(mesh, c->vertex[1]);
@@ -156,6 +157,7 @@ static void mesh_texture(const Mesh *mesh, const Corners *c, ShapePoint *out)
     double determinant = u1 * v2 - u2 * v1;
     if (fabs(determinant) > 1e-12 * (fabs(u1 * v2) + fabs(u2 * v1))) {
         out->tangent = scale(sub(scale(c->u, v2), scale(c->v, v1)), 1 / determinant);
+        out->bitangent = scale(sub(scale(c->v, u1), scale(c->u, u2)), 1 / determinant);
     }
 }
 
@@ -171,6 +173,7 @@ static void mesh_point_at(const Mesh *mesh, uint32_t triangle, double u, double 
                         .geometric = normal,
                         .shading = normal,
                         .tangent = c.u,
+                        .bitangent = c.v,
                         .uv = {u, v},
                         .color = {1, 1, 1},
                         .error = rounding_error(size)};

@@ -53,6 +53,7 @@ static void plane_point(const Scene *scene, const void *params, const Ray *ray, 
                         .geometric = plane->normal,
                         .shading = plane->normal,
                         .tangent = frame.s,
+                        .bitangent = frame.t,
                         .uv = {dot(from, frame.s), dot(from, frame.t)},
                         .color = {1, 1, 1},
                         .error = rounding_error(max_abs(plane->point) + length(from))};

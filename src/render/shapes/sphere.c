@@ -61,11 +61,13 @@ static bool sphere_intersect(const void *params, const Ray *ray, ShapeHit *hit)
 static void sphere_point_at(const Sphere *s, Vec3 n, ShapePoint *out)
 {
     double around = n.x * n.x + n.z * n.z;
+    Vec3 east = around > 1e-24 ? vec3(n.z, 0, -n.x) : vec3(1, 0, 0);
     *out = (ShapePoint){
         .p = add_scaled(s->center, n, s->radius),
         .geometric = n,
         .shading = n,
-        .tangent = around > 1e-24 ? scale(vec3(n.z, 0, -n.x), 2 * PI * s->radius) : vec3(1, 0, 0),
+        .tangent = around > 1e-24 ? scale(east, 2 * PI * s->radius) : east,
+        .bitangent = scale(cross(n, east), PI * s->radius / length(east)),
         .uv = {0.5 + atan2(n.x, n.z) / (2 * PI), 0.5 + atan2(n.y, sqrt(around)) / PI},
         .color = {1, 1, 1},
         .error = rounding_error(max_abs(s->center) + s->radius),

@@ -251,6 +251,8 @@ static void torus_point_at(const Torus *torus, double x, double y, double c, dou
                         .geometric = n,
                         .shading = n,
                         .tangent = scale(from_local(&frame, vec3(-y, x, 0)), 2 * PI * ring),
+                        .bitangent = scale(from_local(&frame, vec3(-x * s, -y * s, c)),
+                                           2 * PI * torus->minor_radius),
                         .uv = {u < 0 ? u + 1 : u, v < 0 ? v + 1 : v},
                         .color = {1, 1, 1},
                         .error = rounding_error(2 * size)};

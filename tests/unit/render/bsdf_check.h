@@ -37,6 +37,7 @@ static inline void bench_init(Bench *bench)
     bench->surface = (Surface){.geometric = {0, 0, 1},
                                .shading = {0, 0, 1},
                                .tangent = {1, 0, 0},
+                               .bitangent = {0, 1, 0},
                                .color = {1, 1, 1},
                                .front = true};
 }

@@ -454,6 +454,7 @@ static void sampled_points_are_those_of_rays(void **state)
             assert_true(length(sub(q.shading, p->shading)) < 1e-6);
             if (length(p->tangent) > 0.05) {
                 assert_true(length(sub(q.tangent, p->tangent)) < 1e-5);
+                assert_true(length(sub(q.bitangent, p->bitangent)) < 1e-5);
             }
             assert_near(fmod(q.uv.x - p->uv.x + 1.5, 1), 0.5, 1e-5);
             assert_near(q.uv.y, p->uv.y, 1e-6);

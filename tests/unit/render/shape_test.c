@@ -274,6 +274,9 @@ static void uv_follow_the_tangents(void **state)
             assert_near(du * length(p.tangent), 1, 2e-2);
             assert_near(q[0].uv.y, p.uv.y, 1e-3 * h + 2e-9 + 1e-4 * fabs(q[0].uv.x - p.uv.x));
             assert_true(q[1].uv.y > p.uv.y); // v grows to the left of u, seen from outside
+            double dv = (q[1].uv.y - p.uv.y) / h;
+            assert_near(dv * dot(p.bitangent, side[1]), 1, 2e-2);
+            assert_near(dot(p.geometric, p.bitangent) / length(p.bitangent), 0, 1e-9);
             ++checked;
         }
         print_message("  %s: %d\n", s->name, checked);
