@@ -2,7 +2,9 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
+#include "render/attenuation.h"
 #include "render/distribution.h"
+#include "render/light_tree.h"
 #include "render/lights/area_light.h"
 #include "render/world.h"
 
@@ -13,14 +15,24 @@ typedef struct ShapeSlot {
     uint32_t shape, instance, light; // light = NONE_ID: free
 } ShapeSlot;
 
+// The part of the choices that is by power alone. It bounds the noise where the tree's guess is far
+// off: in mirrors, which see other lights than the point's brightest; and by lights that don't
+// fall off as the tree thinks.
+#define PLAIN_PART           0.0625F
+#define PLAIN_PART_UNNATURAL 0.5F
+
 struct LightSet {
     ARRAY(Light) lights;
     uint32_t *infinite;
     uint32_t infinite_count;
     AliasTable by_power; // over `chosen`
-    uint32_t *chosen;    // lights of power > 0
+    uint32_t *chosen;    // lights of power > 0: those at infinity first
     uint32_t *chosen_at; // light → place in `chosen`, or NONE_ID
-    ShapeSlot *slots;    // NULL: no shape is a light
+    AliasTable far;      // over the first of `chosen`, those at infinity, by irradiance
+    double far_irradiance;
+    LightTree tree;   // over the others
+    float plain_part; // of the choices are by power alone
+    ShapeSlot *slots; // NULL: no shape is a light
     uint32_t slot_mask;
 };
 
@@ -277,6 +289,64 @@ static void index_shapes(Builder *b)
     b->world->shape_lights = true;
 }
 
+// Lights of an attenuation that isn't natural, about which the tree errs.
+static bool is_unnatural(const Scene *scene, const Light *light)
+{
+    uint32_t attenuation = light_node_of(light, CATEGORY_ATTENUATION);
+    return !attenuation_is_natural(scene, attenuation);
+}
+
+// Numbers the lights that can be chosen, those at infinity first. A light that the tree can't hold
+// (of no finite box) counts among the latter.
+static void number_chosen(Builder *b)
+{
+    LightSet *set = b->set;
+    size_t count = set->lights.count;
+    uint32_t chosen = 0, far = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (uint32_t i = 0; i < count; ++i) {
+            const Light *light = &set->lights.items[i];
+            bool near = !light->class->infinite && !box3_is_empty(light->bounds) &&
+                        vec3_is_finite(light->bounds.min) && vec3_is_finite(light->bounds.max);
+            if (light->power > 0 && near == (pass == 1)) {
+                set->chosen_at[i] = chosen;
+                set->chosen[chosen++] = i;
+                far += pass == 0;
+            }
+        }
+    }
+    set->by_power.count = chosen;
+    set->far.count = far;
+}
+
+static bool make_choice_tables(Builder *b)
+{
+    LightSet *set = b->set;
+    uint32_t chosen = set->by_power.count, far = set->far.count;
+    double *weights = mem_alloc((size_t)chosen + 1, sizeof *weights);
+    LightTreeItem *items = mem_alloc((size_t)chosen + 1, sizeof *items);
+    bool good = weights && items;
+    if (good) {
+        for (uint32_t i = 0; i < chosen; ++i) {
+            weights[i] = set->lights.items[set->chosen[i]].power;
+        }
+        good = alias_table_build(&set->by_power, b->arena, weights, chosen);
+        for (uint32_t i = 0; i < chosen; ++i) {
+            const Light *light = &set->lights.items[set->chosen[i]];
+            weights[i] = light->intensity;
+            if (i >= far) {
+                items[i - far] = (LightTreeItem){light->bounds, light->cone, light->intensity};
+            }
+        }
+        good = good && alias_table_build(&set->far, b->arena, weights, far) &&
+               light_tree_build(&set->tree, b->arena, items, chosen - far);
+        set->far_irradiance = far ? set->far.total : 0;
+    }
+    mem_free(weights);
+    mem_free(items);
+    return good;
+}
+
 static void make_tables(Builder *b)
 {
     LightSet *set = b->set;
@@ -284,25 +354,23 @@ static void make_tables(Builder *b)
     set->infinite = arena_array(b->arena, count + 1, sizeof *set->infinite);
     set->chosen = arena_array(b->arena, count + 1, sizeof *set->chosen);
     set->chosen_at = arena_array(b->arena, count + 1, sizeof *set->chosen_at);
-    double *weights = arena_array(b->arena, count + 1, sizeof *weights);
-    if (!set->infinite || !set->chosen || !set->chosen_at || !weights) {
+    if (!set->infinite || !set->chosen || !set->chosen_at) {
         b->out_of_memory = true;
         return;
     }
-    uint32_t chosen = 0;
+    set->plain_part = PLAIN_PART;
     for (uint32_t i = 0; i < count; ++i) {
         const Light *light = &set->lights.items[i];
         if (light->class->infinite && !light->delta) {
             set->infinite[set->infinite_count++] = i;
         }
-        set->chosen_at[i] = NONE_ID;
-        if (light->power > 0) {
-            weights[chosen] = light->power;
-            set->chosen_at[i] = chosen;
-            set->chosen[chosen++] = i;
+        if (is_unnatural(b->world->scene, light)) {
+            set->plain_part = PLAIN_PART_UNNATURAL;
         }
+        set->chosen_at[i] = NONE_ID;
     }
-    if (!alias_table_build(&set->by_power, b->arena, weights, chosen)) {
+    number_chosen(b);
+    if (!make_choice_tables(b)) {
         b->out_of_memory = true;
     }
 }
@@ -339,6 +407,19 @@ void light_set_free(LightSet *set)
 
 // --- Choosing -----------------------------------------------------------------------------------
 
+uint32_t light_node_of(const Light *light, Category category)
+{
+    const NodeType *type = &light->class->node;
+    for (size_t i = 0; light->params && i < type->param_count; ++i) {
+        if (type->params[i].type == PARAM_NODE && type->params[i].category == category) {
+            uint32_t id;
+            memcpy(&id, (const char *)light->params + type->params[i].offset, sizeof id);
+            return id;
+        }
+    }
+    return NONE_ID;
+}
+
 size_t light_set_count(const LightSet *set)
 {
     return set->lights.count;
@@ -355,31 +436,85 @@ const uint32_t *light_set_infinite(const LightSet *set, uint32_t *count)
     return set->infinite;
 }
 
-static float mixed_chance(const LightSet *set, uint32_t chosen)
+// One half of a table's choices is by weight, the other uniform, so that no light is starved.
+static double mixed_chance(const AliasTable *table, uint32_t item)
 {
-    return 0.5f * (set->by_power.chance[chosen] + 1 / (float)set->by_power.count);
+    return 0.5 * ((double)table->chance[item] + 1 / (double)table->count);
+}
+
+static uint32_t choose_mixed(const AliasTable *table, double u)
+{
+    if (u < 0.5) {
+        return alias_table_choose(table, 2 * u);
+    }
+    double place = (2 * u - 1) * table->count;
+    return place < table->count ? (uint32_t)place : table->count - 1;
+}
+
+// The chance of the lights at infinity against those of the tree: half by what both give at the
+// point, about, half even.
+static double far_part(const LightSet *set, const LightReceiver *at)
+{
+    if (set->far.count == 0) {
+        return 0;
+    }
+    double near = set->tree.count ? light_tree_importance(&set->tree, at) : 0;
+    if (!(near > 0)) {
+        return 1;
+    }
+    return 0.25 + 0.5 * set->far_irradiance / (set->far_irradiance + near);
+}
+
+// The chance of item `item` of the tables: a part is by power alone, whatever the point; the rest
+// looks at the point. tree_chance < 0: not known yet.
+static float chance_of(const LightSet *set, const LightReceiver *at, uint32_t item, double far,
+                       double tree_chance)
+{
+    double here;
+    if (item < set->far.count) {
+        here = far * mixed_chance(&set->far, item);
+    } else {
+        if (tree_chance < 0) {
+            tree_chance = light_tree_chance(&set->tree, at, item - set->far.count);
+        }
+        here = (1 - far) * tree_chance;
+    }
+    double plain = (double)set->plain_part;
+    return (float)(plain * mixed_chance(&set->by_power, item) + (1 - plain) * here);
 }
 
 uint32_t light_choose(const LightSet *set, const LightReceiver *at, double u, float *chance)
 {
-    (void)at;
     uint32_t count = set->by_power.count;
-    if (count == 0) {
-        return NONE_ID;
+    if (count <= 1) {
+        *chance = 1;
+        return count ? set->chosen[0] : NONE_ID;
     }
-    uint32_t chosen;
-    if (u < 0.5) {
-        chosen = alias_table_choose(&set->by_power, 2 * u);
+    double plain = (double)set->plain_part, far = far_part(set, at), tree_chance = -1;
+    uint32_t item;
+    if (u < plain) {
+        item = choose_mixed(&set->by_power, u / plain);
     } else {
-        double place = (2 * u - 1) * count;
-        chosen = place < count ? (uint32_t)place : count - 1;
+        u = (u - plain) / (1 - plain);
+        if (u < far) {
+            item = choose_mixed(&set->far, u / far);
+        } else {
+            item = light_tree_choose(&set->tree, at, (u - far) / (1 - far), &tree_chance);
+            if (item == NONE_ID) {
+                return NONE_ID;
+            }
+            item += set->far.count;
+        }
     }
-    *chance = mixed_chance(set, chosen);
-    return set->chosen[chosen];
+    *chance = chance_of(set, at, item, far, tree_chance);
+    return set->chosen[item];
 }
 
 float light_chance(const LightSet *set, const LightReceiver *at, uint32_t light)
 {
-    (void)at;
-    return set->chosen_at[light] == NONE_ID ? 0 : mixed_chance(set, set->chosen_at[light]);
+    uint32_t item = set->chosen_at[light];
+    if (item == NONE_ID) {
+        return 0;
+    }
+    return set->by_power.count == 1 ? 1 : chance_of(set, at, item, far_part(set, at), -1);
 }

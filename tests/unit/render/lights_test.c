@@ -228,38 +228,6 @@ static void environment_is_not_stretched(void **state)
     maker_free(&maker);
 }
 
-// The choice among lights: frequencies, chances, and lights of no power.
-static void lights_are_chosen_by_power(void **state)
-{
-    (void)state;
-    enum { SAMPLES = 1000000 };
-    SceneMaker maker;
-    maker_init(&maker);
-    const double intensities[] = {1, 10, 1e-30, 3};
-    for (int i = 0; i < 4; ++i) {
-        PUT(&maker, "point_light", {"position", {i}}, {"intensity", {intensities[i]}});
-    }
-    PUT(&maker, "point_light", {"position", {9}}, {"intensity", {0}});
-    World *world = build(&maker);
-    double observed[5] = {0}, expected[5], sum = 0;
-    TestRandom random = {3};
-    const LightReceiver here = {{0, 0, 0}, {0, 0, 0}};
-    for (int i = 0; i < SAMPLES; ++i) {
-        float chance;
-        uint32_t light = light_choose(world->lights, &here, (double)test_random(&random), &chance);
-        assert_true(light < 4 && chance == light_chance(world->lights, &here, light));
-        observed[light] += 1;
-    }
-    for (uint32_t i = 0; i < 5; ++i) {
-        expected[i] = SAMPLES * (double)light_chance(world->lights, &here, i);
-        sum += expected[i];
-    }
-    assert_true(NEAR(sum, SAMPLES, 1e-6 * SAMPLES));
-    assert_true(expected[4] == 0 && NEAR(expected[1] / SAMPLES, 0.5 * (10 / 14.0 + 0.25), 1e-6));
-    assert_true(chi_squared_test(observed, expected, 5) > 1e-3);
-    tear_down(&maker, world);
-}
-
 // For every shape light: the mean of 1/pdf over sampled directions, where something is emitted, is
 // the solid angle; and pdf() agrees with sample().
 static void area_lights_know_their_pdf(void **state)
@@ -404,7 +372,6 @@ int main(void)
         cmocka_unit_test(environment_sampling_follows_its_pdf),
         cmocka_unit_test(environment_lies_as_documented),
         cmocka_unit_test(environment_is_not_stretched),
-        cmocka_unit_test(lights_are_chosen_by_power),
         cmocka_unit_test(area_lights_know_their_pdf),
         cmocka_unit_test(power_spreads_over_the_area),
         cmocka_unit_test(shape_has_one_light),
