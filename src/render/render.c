@@ -130,6 +130,7 @@ static bool prepare(Renderer *r, DiagSink *sink)
         return false;
     }
     choose_camera(r, sink);
+    world_set_camera(r->world, &r->camera);
     if (r->integrator->check) {
         r->integrator->check(r->world, sink);
     }

@@ -17,7 +17,8 @@ typedef struct RenderParams { // the `render` kind
     int64_t samples, bounces, seed;
     int32_t sampling; // SAMPLING_MIS, … (world.h)
     bool shadows, russian_roulette;
-    double clamp; // largest radiance of an indirect sample; 0: none
+    double ao_distance; // how far "ambient_occlusion" looks, m; 0: any distance
+    double clamp;       // largest radiance of an indirect sample; 0: none
 } RenderParams;
 
 struct RenderProgress;

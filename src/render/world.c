@@ -87,11 +87,37 @@ World *world_build(const Scene *scene, unsigned threads, DiagSink *sink)
     world->shadows = settings.shadows;
     world->russian_roulette = settings.russian_roulette;
     world->clamp = (float)settings.clamp;
+    world->ao_distance = settings.ao_distance > 0 ? settings.ao_distance : INFINITY;
+    world->far = INFINITY;
     if (!build_parts(world, threads, sink)) {
         world_free(world);
         return NULL;
     }
     return world;
+}
+
+void world_set_camera(World *world, const Camera *camera)
+{
+    const Box3 box = accel_bounds(world->accel);
+    const bool axis = camera->params.projection == CAMERA_PERSPECTIVE ||
+                      camera->params.projection == CAMERA_ORTHOGRAPHIC;
+    world->camera = camera;
+    world->near = INFINITY;
+    world->far = 0;
+    if (box3_is_empty(box)) {
+        world->near = 0;
+        world->far = INFINITY;
+        return;
+    }
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 p = vec3(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                            corner & 4 ? box.max.z : box.min.z);
+        const double depth = camera_depth(camera, p);
+        world->near = fmin(world->near, depth);
+        world->far = fmax(world->far, depth);
+    }
+    // By distance, what is nearest is not a corner.
+    world->near = axis ? fmax(world->near, 0) : 0;
 }
 
 void world_free(World *world)

@@ -5,6 +5,7 @@
 
 #include "base/diag.h"
 #include "render/accel.h"
+#include "render/camera.h"
 #include "render/light.h"
 #include "render/material.h"
 #include "render/texture.h"
@@ -27,13 +28,20 @@ typedef struct World {
     int64_t bounces;
     int32_t sampling;
     bool shadows, russian_roulette;
-    float clamp; // 0: none
+    float clamp;        // 0: none
+    double ao_distance; // INFINITY: any
+    // For the view of depths: the camera (NULL: none), and between which depths the scene's bounded
+    // shapes lie; far is infinite where there are none.
+    const Camera *camera;
+    double near, far;
 } World;
 
 // Makes a scene ready, with `threads` threads (0: all). The scene must not change while the world
 // lives. NULL after a report to `sink`: a texture that can't be read, no memory, …
 World *world_build(const Scene *scene, unsigned threads, DiagSink *sink);
 void world_free(World *world);
+// Sets camera, near and far; the camera must outlive the world.
+void world_set_camera(World *world, const Camera *camera);
 
 // Half the diagonal of the box of all bounded shapes; 1 where there are none.
 double world_radius(const World *world);

@@ -57,16 +57,6 @@ static void add_radiance(Path *path, Rgb radiance, float weight)
     path->radiance = rgb_add(path->radiance, part);
 }
 
-// p² / (p² + q²), safe where squares overflow.
-static float power_heuristic(float p, float q)
-{
-    if (!(p > 0)) {
-        return 0;
-    }
-    float ratio = q / p;
-    return 1 / (1 + ratio * ratio);
-}
-
 // The weight of light that the present ray hit, which light sampling would have found with
 // light_pdf.
 static float hit_weight(const Path *path, float light_pdf)
@@ -123,35 +113,12 @@ static void add_emitted(Path *path, const Surface *surface, Vec3 direction)
     }
 }
 
-// A material that lets nothing through is lit from the viewer's side only.
-static LightReceiver receiver_at(const ShadingPoint *point)
-{
-    const Surface *surface = point->surface;
-    uint32_t lobes = world_material(point->world, surface->material)->lobes;
-    LightReceiver receiver = {.p = surface->p};
-    if (!(lobes & LOBE_TRANSMIT)) {
-        receiver.normal = point->wo_side > 0 ? surface->geometric : neg(surface->geometric);
-    }
-    return receiver;
-}
-
-// The part of light that arrives from a light in direction wi, through what the ray is in there.
-static Rgb light_visibility(const Path *path, const ShadingPoint *point, Vec3 wi, const Ray *shadow)
-{
-    if (wi.z * point->wo.z > 0) {
-        return medium_visibility(path->world, &path->media, shadow);
-    }
-    MediumStack beyond = path->media;
-    medium_cross(path->world, &beyond, point->surface);
-    return medium_visibility(path->world, &beyond, shadow);
-}
-
 // Light sampling: one direction to one light.
 static void add_direct(Path *path, const ShadingPoint *point, const SurfaceNumbers *n)
 {
     const World *world = path->world;
     const Surface *surface = point->surface;
-    const LightReceiver receiver = receiver_at(point);
+    const LightReceiver receiver = surface_receiver(point);
     float chance;
     uint32_t index = light_choose(world->lights, &receiver, n->light, &chance);
     if (index == NONE_ID) {
@@ -173,7 +140,7 @@ static void add_direct(Path *path, const ShadingPoint *point, const SurfaceNumbe
     Ray shadow = isfinite(s.distance) ? surface_spawn_to(surface, s.point, s.error, &distance)
                                       : surface_spawn(surface, s.direction);
     ++path->stats->shadow_rays;
-    Rgb visible = light_visibility(path, point, wi, &shadow);
+    Rgb visible = surface_light_passed(point, &path->media, wi, &shadow);
     if (rgb_is_black(visible)) {
         return;
     }
@@ -234,24 +201,13 @@ static bool scatter(Path *path, const ShadingPoint *point, const SurfaceNumbers 
             !roulette(path, n->roulette)) {
             return false;
         }
-        path->receiver = receiver_at(point);
+        path->receiver = surface_receiver(point);
         path->pdf = s.pdf;
         path->certain = s.lobes & LOBE_DELTA;
         direction = normalize(from_local(&point->frame, s.wi));
     }
     *ray = surface_spawn(point->surface, direction);
     return true;
-}
-
-// Absorbs on the way to the present surface; one that is seen from behind, though nothing says that
-// its body was entered, was begun in.
-static void absorb(Path *path, double distance, const Surface *surface)
-{
-    const Medium *medium = medium_current(&path->media);
-    if (!medium && !surface->front) {
-        medium = world_material(path->world, surface->material)->medium;
-    }
-    path->throughput = rgb_mul(path->throughput, medium_transmittance(medium, distance));
 }
 
 static void trace(Path *path, Ray ray, AovSample *aov)
@@ -269,7 +225,8 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         }
         Surface surface;
         accel_surface(world->accel, &ray, &hit, &surface);
-        absorb(path, hit.t, &surface);
+        path->throughput =
+            rgb_mul(path->throughput, surface_transmittance(world, &path->media, hit.t, &surface));
         MediumBoundary boundary = medium_boundary(world, &path->media, &surface);
         if (boundary.hidden) {
             medium_cross(world, &path->media, &surface);

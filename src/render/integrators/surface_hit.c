@@ -49,6 +49,37 @@ uint32_t surface_lobes(const World *world, const Surface *surface)
     return world_material(world, surface->material)->lobes;
 }
 
+LightReceiver surface_receiver(const ShadingPoint *point)
+{
+    const Surface *surface = point->surface;
+    LightReceiver receiver = {.p = surface->p};
+    if (!(surface_lobes(point->world, surface) & LOBE_TRANSMIT)) {
+        receiver.normal = point->wo_side > 0 ? surface->geometric : neg(surface->geometric);
+    }
+    return receiver;
+}
+
+Rgb surface_light_passed(const ShadingPoint *point, const MediumStack *media, Vec3 wi,
+                         const Ray *shadow)
+{
+    if (wi.z * point->wo.z > 0) {
+        return medium_visibility(point->world, media, shadow);
+    }
+    MediumStack beyond = *media;
+    medium_cross(point->world, &beyond, point->surface);
+    return medium_visibility(point->world, &beyond, shadow);
+}
+
+Rgb surface_transmittance(const World *world, const MediumStack *media, double distance,
+                          const Surface *surface)
+{
+    const Medium *medium = medium_current(media);
+    if (!medium && !surface->front) {
+        medium = world_material(world, surface->material)->medium;
+    }
+    return medium_transmittance(medium, distance);
+}
+
 Rgb surface_emitted(const World *world, const Surface *surface)
 {
     uint32_t index = light_of_surface(world, surface);

@@ -25,9 +25,31 @@ void aov_fill(const Hit *hit, const ShadingPoint *point, AovSample *aov);
 
 // The lobes of a surface's material.
 uint32_t surface_lobes(const World *world, const Surface *surface);
+// Where light for the point is looked for: a material that lets nothing through is lit from the
+// viewer's side only.
+LightReceiver surface_receiver(const ShadingPoint *point);
+// The part of light that arrives along the shadow ray to a light in direction wi (of the frame),
+// through what the ray to the point was in, or what it is in beyond the surface.
+Rgb surface_light_passed(const ShadingPoint *point, const MediumStack *media, Vec3 wi,
+                         const Ray *shadow);
+// What is left of light on the way of a ray in `media` to the surface; one that is seen from
+// behind, though nothing says that its body was entered, was begun in.
+Rgb surface_transmittance(const World *world, const MediumStack *media, double distance,
+                          const Surface *surface);
 // The radiance that a surface emits to where the ray that found it came from.
 Rgb surface_emitted(const World *world, const Surface *surface);
 // The radiance of all lights at infinity along a direction in which nothing is hit.
 Rgb world_escaped(const World *world, Vec3 direction);
+
+// The weight of a sample of density p where another strategy has density q: p² / (p² + q²) (Veach
+// and Guibas 1995), safe where squares overflow.
+static inline float power_heuristic(float p, float q)
+{
+    if (!(p > 0)) {
+        return 0;
+    }
+    float ratio = q / p;
+    return 1 / (1 + ratio * ratio);
+}
 
 #endif
