@@ -49,14 +49,22 @@ static double factor(const void *params, double cos_angle)
 
 // With Δ = θ1 - θ0, ∫ (1 - (θ - θ0)/Δ)² sin θ dθ from θ0 to θ1 is
 // cos θ0 + 2 sin θ0 / Δ - 2 (cos θ0 - cos θ1) / Δ², the last difference taken as a product of
-// sines.
+// sines; for a narrow edge, where that cancels, its series in Δ.
+static double edge_integral(const SmoothCone *cone)
+{
+    double width = cone->outer - cone->inner, middle = (cone->outer + cone->inner) / 2;
+    double sine = sin(cone->inner), cosine = cos(cone->inner);
+    if (width < 1e-3) {
+        return width * (sine / 3 + width * (cosine / 12 - width * sine / 60));
+    }
+    double difference = 2 * sin(middle) * sin(width / 2);
+    return cosine + 2 * (sine - difference / width) / width;
+}
+
 static double integral(const void *params)
 {
     const SmoothCone *cone = params;
-    double width = cone->outer - cone->inner, middle = (cone->outer + cone->inner) / 2;
-    double difference = 2 * sin(middle) * sin(width / 2);
-    double soft = cos(cone->inner) + 2 * (sin(cone->inner) - difference / width) / width;
-    return 2 * PI * (2 * pow(sin(cone->inner / 2), 2) + soft);
+    return 2 * PI * (2 * pow(sin(cone->inner / 2), 2) + edge_integral(cone));
 }
 
 static double reach(const void *params)
