@@ -1,7 +1,7 @@
 // Estimates of radiance with their standard errors, and the table in which a family of them is
 // judged.
 //
-// An estimate is the mean of REPLICATES independent runs of the path tracer (each with its own seed
+// An estimate is the mean of REPLICATES independent runs of an integrator (each with its own seed
 // of the sampler), whose scatter gives the standard error; deviations are then Student's t with
 // REPLICATES - 1 degrees of freedom. A family of K checks fails with a chance of ALPHA if nothing
 // is wrong: each at Šidák's level. "bias found" is the smallest relative bias that a check would
@@ -26,6 +26,7 @@ typedef double RayMaker(const void *context, const float numbers[4], Ray *ray);
 
 typedef struct Estimate {
     const World *world;
+    const IntegratorClass *integrator;
     RayMaker *ray;
     const void *context;
     uint32_t samples, seed;
@@ -47,7 +48,7 @@ static inline void estimate_replicate(void *context, uint64_t item, unsigned wor
         sampler_2d(&sampler, &numbers[2], &numbers[3]);
         Ray ray = {.tmax = INFINITY};
         double weight = e->ray(e->context, numbers, &ray);
-        sum += weight * (double)path_integrator.radiance(e->world, &ray, &sampler, NULL, &stats).g;
+        sum += weight * (double)e->integrator->radiance(e->world, &ray, &sampler, NULL, &stats).g;
     }
     e->means[item] = sum / e->samples;
     e->rays[item] = stats.rays + stats.shadow_rays;
@@ -55,10 +56,16 @@ static inline void estimate_replicate(void *context, uint64_t item, unsigned wor
 }
 
 // The mean of the green radiance along the chosen rays. `samples` is per replicate, a power of two.
-static inline Running estimate(const World *world, RayMaker *ray, const void *context,
-                               uint32_t samples, uint32_t seed)
+static inline Running estimate_by(const IntegratorClass *integrator, const World *world,
+                                  RayMaker *ray, const void *context, uint32_t samples,
+                                  uint32_t seed)
 {
-    Estimate e = {.world = world, .ray = ray, .context = context, .samples = samples, .seed = seed};
+    Estimate e = {.world = world,
+                  .integrator = integrator,
+                  .ray = ray,
+                  .context = context,
+                  .samples = samples,
+                  .seed = seed};
     parallel_for(REPLICATES, 0, estimate_replicate, &e, NULL);
     Running mean = {0};
     for (int i = 0; i < REPLICATES; ++i) {
@@ -69,6 +76,13 @@ static inline Running estimate(const World *world, RayMaker *ray, const void *co
         }
     }
     return mean;
+}
+
+// By the path tracer.
+static inline Running estimate(const World *world, RayMaker *ray, const void *context,
+                               uint32_t samples, uint32_t seed)
+{
+    return estimate_by(&path_integrator, world, ray, context, samples, seed);
 }
 
 typedef struct Check {
