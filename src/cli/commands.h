@@ -6,6 +6,7 @@
 
 int command_render(const Options *options);
 int command_check(const Options *options);
+int command_lights(const Options *options);
 int command_params(const Options *options);
 int command_explain(const Options *options);
 int command_reference(const Options *options);

@@ -34,6 +34,8 @@ static int run(const Options *options)
         return command_render(options);
     case COMMAND_CHECK:
         return command_check(options);
+    case COMMAND_LIGHTS:
+        return command_lights(options);
     case COMMAND_PARAMS:
         return command_params(options);
     case COMMAND_EXPLAIN:

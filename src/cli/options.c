@@ -1,5 +1,7 @@
 #include "cli/options.h"
 
+#include "base/number.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <stdarg.h>
@@ -152,6 +154,31 @@ static bool take_size(const Parser *parser, const char *text)
     return true;
 }
 
+// "1,2.5,-3", perhaps with blanks and in parentheses.
+static bool take_point(const Parser *parser, const char *text)
+{
+    double numbers[3];
+    const char *at = text, *end = text + strlen(text);
+    bool good = true, open = *at == '(';
+    at += open;
+    for (int i = 0; good && i < 3; ++i) {
+        at += strspn(at, " ");
+        at = number_parse(at, end, &numbers[i]);
+        good = at && isfinite(numbers[i]);
+        if (good) {
+            at += strspn(at, " ");
+            good = i == 2 || *at++ == ',';
+        }
+    }
+    good = good && (!open || *at++ == ')') && at == end;
+    if (!good) {
+        return wrong(parser, "`--at` takes a point like 1,2.5,-3, not `%s`", text);
+    }
+    parser->options->at = vec3(numbers[0], numbers[1], numbers[2]);
+    parser->options->has_at = true;
+    return true;
+}
+
 static bool take_setting(const Parser *parser, const char *text)
 {
     const char *equals = strchr(text, '=');
@@ -241,6 +268,8 @@ static bool take(Parser *parser, OptionId id, const char *text)
         good = take_number(parser, id, text, 1, MOST_THREADS, &number);
         options->threads = (unsigned)number;
         return good;
+    case OPTION_AT:
+        return take_point(parser, text);
     case OPTION_AOV:
         return take_aovs(parser, text);
     case OPTION_BITS:

@@ -3,6 +3,7 @@
 #define CLI_OPTIONS_H
 
 #include "base/arena.h"
+#include "base/vec.h"
 #include "lang/lang.h"
 
 #include <stdbool.h>
@@ -43,7 +44,8 @@ typedef struct Options {
     unsigned threads;      // 0: one a processor
     int bits;              // 0: the type's
     Dump dump;
-    bool json, quiet;
+    bool json, quiet, has_at;
+    Vec3 at;                 // --at
     const char *const *aovs; // names
     size_t aov_count;
     const ParamSetting *settings;

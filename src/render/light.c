@@ -2,8 +2,8 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
-#include "render/attenuation.h"
 #include "render/distribution.h"
+#include "render/light_report.h"
 #include "render/light_tree.h"
 #include "render/lights/area_light.h"
 #include "render/world.h"
@@ -289,13 +289,6 @@ static void index_shapes(Builder *b)
     b->world->shape_lights = true;
 }
 
-// Lights of an attenuation that isn't natural, about which the tree errs.
-static bool is_unnatural(const Scene *scene, const Light *light)
-{
-    uint32_t attenuation = light_node_of(light, CATEGORY_ATTENUATION);
-    return !attenuation_is_natural(scene, attenuation);
-}
-
 // Numbers the lights that can be chosen, those at infinity first. A light that the tree can't hold
 // (of no finite box) counts among the latter.
 static void number_chosen(Builder *b)
@@ -364,7 +357,7 @@ static void make_tables(Builder *b)
         if (light->class->infinite && !light->delta) {
             set->infinite[set->infinite_count++] = i;
         }
-        if (is_unnatural(b->world->scene, light)) {
+        if (!light_is_natural(b->world->scene, light)) {
             set->plain_part = PLAIN_PART_UNNATURAL;
         }
         set->chosen_at[i] = NONE_ID;
@@ -407,13 +400,12 @@ void light_set_free(LightSet *set)
 
 // --- Choosing -----------------------------------------------------------------------------------
 
-uint32_t light_node_of(const Light *light, Category category)
+uint32_t light_node_of(const NodeType *type, const void *params, Category category)
 {
-    const NodeType *type = &light->class->node;
-    for (size_t i = 0; light->params && i < type->param_count; ++i) {
+    for (size_t i = 0; params && i < type->param_count; ++i) {
         if (type->params[i].type == PARAM_NODE && type->params[i].category == category) {
             uint32_t id;
-            memcpy(&id, (const char *)light->params + type->params[i].offset, sizeof id);
+            memcpy(&id, (const char *)params + type->params[i].offset, sizeof id);
             return id;
         }
     }

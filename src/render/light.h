@@ -91,9 +91,9 @@ LightSet *light_set_build(struct World *world, Arena *arena, DiagSink *sink);
 void light_set_free(LightSet *set);
 size_t light_set_count(const LightSet *set);
 const Light *light_set_get(const LightSet *set, size_t index);
-// The light's attenuation, falloff or shape: the node of its first field of that category, or
-// NONE_ID.
-uint32_t light_node_of(const Light *light, Category category);
+// The attenuation, falloff or shape of a light with these parameters (NULL: none): the node of its
+// first field of that category, or NONE_ID.
+uint32_t light_node_of(const NodeType *type, const void *params, Category category);
 // The lights at infinity that rays can see, one after another: indices of lights; *count of them.
 const uint32_t *light_set_infinite(const LightSet *set, uint32_t *count);
 
