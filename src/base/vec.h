@@ -85,9 +85,18 @@ static inline double vec3_get(Vec3 a, int axis)
 {
     return axis == 0 ? a.x : axis == 1 ? a.y : a.z;
 }
+// For numbers that aren't NaN: fmax and fmin, which mind them, are calls.
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+static inline double smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
 static inline double max_component(Vec3 a)
 {
-    return fmax(fmax(a.x, a.y), a.z);
+    return larger(larger(a.x, a.y), a.z);
 }
 static inline Vec3 vec3_abs(Vec3 a)
 {
@@ -148,7 +157,8 @@ static inline Rgb rgb_scale(Rgb a, float s)
 }
 static inline float rgb_max(Rgb a)
 {
-    return fmaxf(fmaxf(a.r, a.g), a.b);
+    const float rg = a.r > a.g ? a.r : a.g;
+    return rg > a.b ? rg : a.b;
 }
 static inline bool rgb_is_black(Rgb a)
 {

@@ -47,6 +47,7 @@ static void group_set_bounds(AccelGroup *group, Box3 box)
     group->bounds = box;
     group->center = vec3(0, 0, 0);
     group->scale = 1;
+    group->inverse_scale = 1;
     if (box3_is_empty(box)) {
         return;
     }
@@ -58,6 +59,7 @@ static void group_set_bounds(AccelGroup *group, Box3 box)
         int exponent;
         frexp(half, &exponent);
         group->scale = ldexp(1, exponent < -1000 ? -1000 : exponent > 1000 ? 1000 : exponent);
+        group->inverse_scale = 1 / group->scale;
     }
 }
 
@@ -145,12 +147,18 @@ static double shortest_edge(const Scene *scene, const SceneNode *node, bool *deg
 static AccelKind kind_make(Collector *c, const ShapeClass *class, uint16_t type,
                            const uint32_t *ids, uint32_t count, bool native)
 {
-    return (AccelKind){.accel = c->accel,
-                       .class = class,
-                       .params = c->scene->tables[type].items,
-                       .ids = ids,
-                       .count = count,
-                       .native = native};
+    AccelKind kind = {.accel = c->accel,
+                      .class = class,
+                      .params = c->scene->tables[type].items,
+                      .ids = ids,
+                      .count = count,
+                      .native = native};
+    if (class->holding == HOLD_TRIANGLES) {
+        const SceneNode *node = scene_node(c->scene, CATEGORY_SHAPE, ids[0]);
+        kind.mesh = mesh_of(c->scene, scene_params(c->scene, node));
+        kind.transform = node->transform;
+    }
+    return kind;
 }
 
 // Flat shapes: those that single precision holds well come first and become Embree's triangles; the
@@ -413,6 +421,22 @@ bool accel_collect(Accel *accel)
     return ok;
 }
 
+// Maps are kept for the first transforms only: where each of a million shapes has its own, making
+// one anew costs less than a miss in all caches, and memory.
+enum { KEPT_MAPS = 1 << 14 };
+
+bool accel_keep_maps(Accel *accel)
+{
+    const Scene *scene = accel->scene;
+    const size_t count = scene->transforms.count;
+    accel->map_count = count < KEPT_MAPS ? count : KEPT_MAPS;
+    accel->maps = mem_alloc(accel->map_count, sizeof *accel->maps);
+    for (size_t i = 0; accel->maps && i < accel->map_count; ++i) {
+        accel->maps[i] = space_map(&scene->transforms.items[i], &scene->inverses.items[i]);
+    }
+    return accel->maps != NULL;
+}
+
 void accel_collect_free(Accel *accel)
 {
     for (uint32_t i = 0; i < accel->group_count; ++i) {
@@ -420,6 +444,7 @@ void accel_collect_free(Accel *accel)
         mem_free(accel->groups[i].pockets);
     }
     mem_free(accel->groups);
+    mem_free(accel->maps);
     mem_free(accel->order);
     mem_free(accel->unbounded);
 }

@@ -29,9 +29,9 @@ typedef struct Query {
     double speed;   // Embree's length for t = 1
     double start;   // Embree's length from the ray's origin to where the float ray begins
     uint32_t instance;
-    Hit *hit;                        // the nearest found by callbacks so far; NULL: any will do
-    Hit doubtful;                    // the nearest such
-    double certain_from, certain_to; // t between which a doubtful one counts
+    Hit *hit;     // the nearest found by callbacks so far; NULL: any will do
+    Hit doubtful; // the nearest such
+    FlatRay flat; // the ray for the transform of the last flat shape tried
 } Query;
 
 // --- Rays -------------------------------------------------------------------------------------
@@ -51,11 +51,14 @@ static float float_up(double x)
 static bool query_begin(Query *q, const AccelGroup *group, const Ray *ray, uint32_t instance,
                         Hit *hit, struct RTCRay *out)
 {
-    double inverse_scale = 1 / group->scale;
-    double size = length(ray->direction);
-    Ray local = {scale(sub(ray->origin, group->center), inverse_scale),
-                 scale(ray->direction, 1 / size), 0, 0};
-    q->speed = size * inverse_scale;
+    Ray local = {scale(sub(ray->origin, group->center), group->inverse_scale), ray->direction, 0,
+                 0};
+    q->speed = group->inverse_scale;
+    if (instance != NONE_ID) { // else of unit length
+        const double size = length(ray->direction);
+        local.direction = scale(ray->direction, 1 / size);
+        q->speed = size * group->inverse_scale;
+    }
     double begin = ray->tmin * q->speed, end = ray->tmax * q->speed;
     if (max_abs(local.origin) > 2 && !ray_clip(&local, unit_cube, 0x1p-10, &begin, &end)) {
         return false;
@@ -68,9 +71,7 @@ static bool query_begin(Query *q, const AccelGroup *group, const Ray *ray, uint3
     q->instance = instance;
     q->hit = hit;
     q->doubtful.t = INFINITY;
-    const double certain = FLAT_CERTAIN / q->speed;
-    q->certain_from = ray->tmin + certain;
-    q->certain_to = ray->tmax - certain;
+    q->flat.transform = NONE_ID;
     Vec3 origin = add_scaled(local.origin, local.direction, q->start);
     *out = (struct RTCRay){.org_x = (float)origin.x,
                            .org_y = (float)origin.y,
@@ -137,6 +138,13 @@ static bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t ins
 
 // --- Callbacks: triangles ---------------------------------------------------------------------
 
+// Is a doubtful hit nearer than the one known, and far enough from the ray's ends to count?
+static bool doubtful_counts(const Query *q, double t)
+{
+    const double certain = FLAT_CERTAIN / q->speed;
+    return t < q->doubtful.t && t > q->ray->tmin + certain && t < q->ray->tmax - certain;
+}
+
 // Decides in double precision on a triangle that single precision proposes.
 static void filter_flat(const struct RTCFilterFunctionNArguments *args)
 {
@@ -147,18 +155,24 @@ static void filter_flat(const struct RTCFilterFunctionNArguments *args)
     Query *q = (Query *)(void *)args->context;
     const struct RTCHit *hit = (const struct RTCHit *)(const void *)args->hit;
     uint32_t primitive, shape = accel_native_shape(kind, hit->primID, &primitive);
+    const Scene *scene = kind->accel->scene;
+    const uint32_t transform =
+        kind->mesh ? kind->transform : scene_node(scene, CATEGORY_SHAPE, shape)->transform;
+    if (transform != q->flat.transform) {
+        flat_ray_prepare(scene, transform, q->ray, &q->flat);
+    }
     ShapeHit local;
-    const FlatHit found = accel_flat_hit(kind, shape, primitive, q->ray, q->tmax, &local);
-    const Hit nearer = {.t = local.t, .shape = shape, .instance = q->instance, .local = local};
+    const FlatHit found = accel_flat_hit(kind, shape, primitive, &q->flat, q->tmax, &local);
+    Hit *to = NULL;
     if (found != FLAT_INSIDE) {
         args->valid[0] = 0;
-        if (found == FLAT_BESIDE && local.t < q->doubtful.t && local.t > q->certain_from &&
-            local.t < q->certain_to) {
-            q->doubtful = nearer;
-        }
+        to = found == FLAT_BESIDE && doubtful_counts(q, local.t) ? &q->doubtful : NULL;
     } else if (q->hit) {
         q->tmax = local.t;
-        *q->hit = nearer;
+        to = q->hit;
+    }
+    if (to) {
+        *to = (Hit){.t = local.t, .shape = shape, .instance = q->instance, .local = local};
     }
 }
 
@@ -451,8 +465,7 @@ static RTCGeometry kind_geometry(RTCDevice device, AccelKind *kind, Triangles *t
         return user_geometry(device, kind->count, kind, bounds_shape, intersect_shape,
                              occluded_shape);
     }
-    const bool mesh = kind->class->holding == HOLD_TRIANGLES;
-    if (!(mesh ? fill_mesh(kind, triangles, issues) : fill_flats(kind, triangles))) {
+    if (!(kind->mesh ? fill_mesh(kind, triangles, issues) : fill_flats(kind, triangles))) {
         return NULL;
     }
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -565,7 +578,8 @@ Accel *accel_build(const Scene *scene, unsigned threads)
         return NULL;
     }
     accel->scene = scene;
-    if (!accel_collect(accel) || !build_all(accel, threads ? threads : thread_processor_count())) {
+    if (!accel_collect(accel) || !accel_keep_maps(accel) ||
+        !build_all(accel, threads ? threads : thread_processor_count())) {
         accel_free(accel);
         return NULL;
     }

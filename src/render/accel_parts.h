@@ -28,6 +28,7 @@
 #define RENDER_ACCEL_PARTS_H
 
 #include "render/accel.h"
+#include "render/geometry.h"
 
 // All in Embree's coordinates.
 // By how much the edges of triangles are moved outwards: more than the rounding of vertices and of
@@ -63,14 +64,17 @@ typedef struct AccelKind {
     const char *params;  // scene's table of the kind
     const uint32_t *ids; // shape ids
     uint32_t count;
-    bool native; // triangles of Embree's: flat shapes, or one mesh
-    int corners; // flat shapes: 3, or 4, which are two triangles
+    bool native;        // triangles of Embree's: flat shapes, or one mesh
+    int corners;        // flat shapes: 3, or 4, which are two triangles
+    const Mesh *mesh;   // the one mesh, or NULL
+    uint32_t transform; // of the mesh
 } AccelKind;
 
 struct AccelGroup {
     const Accel *accel;
     Vec3 center;
     double scale;            // a power of 2
+    double inverse_scale;    // thus exact
     Box3 bounds;             // of the bounded geometry, in the group's space
     AccelKind *kinds;        // a geometry each, numbered alike in Embree's scene
     uint32_t kind_count;     // then follow, where there are any, …
@@ -87,7 +91,9 @@ typedef struct AccelUnbounded {
 
 struct Accel {
     const Scene *scene;
-    void *device;       // RTCDevice
+    void *device;   // RTCDevice
+    SpaceMap *maps; // of the first map_count of the scene's transforms
+    size_t map_count;
     AccelGroup *groups; // one for each prototype, then the pockets
     uint32_t group_count;
     uint32_t *order; // shape ids, by prototype and kind
@@ -98,6 +104,8 @@ struct Accel {
 
 // Sorts the scene's shapes into groups. False when memory runs out.
 bool accel_collect(Accel *accel);
+// Fills accel->maps. False when memory runs out.
+bool accel_keep_maps(Accel *accel);
 void accel_collect_free(Accel *accel);
 
 // Group coordinates of a box, grown by BOX_MARGIN and rounded outwards: {lower, upper}. False where
@@ -109,7 +117,11 @@ Box3 accel_shape_box(const Scene *scene, const SceneNode *node);
 Box3 accel_instance_box(const Accel *accel, uint32_t instance);
 
 // The ray in the space of an instance, or of a shape: origin and direction mapped, t the same.
-Ray ray_map(const Affine *inverse, const Ray *ray);
+static inline Ray ray_map(const Affine *inverse, const Ray *ray)
+{
+    return (Ray){transform_point(inverse, ray->origin), transform_vector(inverse, ray->direction),
+                 ray->tmin, ray->tmax};
+}
 static inline Ray accel_shape_ray(const Scene *scene, const SceneNode *node, const Ray *ray)
 {
     return node->transform == 0 ? *ray : ray_map(&scene->inverses.items[node->transform], ray);
@@ -119,16 +131,25 @@ static inline Ray accel_shape_ray(const Scene *scene, const SceneNode *node, con
 static inline uint32_t accel_native_shape(const AccelKind *kind, uint32_t triangle,
                                           uint32_t *primitive)
 {
-    bool mesh = kind->class->holding == HOLD_TRIANGLES;
-    *primitive = mesh ? triangle : 0;
-    return kind->ids[mesh ? 0 : kind->corners == 4 ? triangle / 2 : triangle];
+    *primitive = kind->mesh ? triangle : 0;
+    return kind->ids[kind->mesh ? 0 : kind->corners == 4 ? triangle / 2 : triangle];
 }
-// Whether the ray (of the group's space) meets a native shape's primitive in double precision, with
-// ray->tmin < t < tmax; or, where it meets the primitive's plane beside it, whether it comes within
-// FLAT_DOUBT of it: *hit is then the nearest point of the primitive's edges, and the nearest t.
+// A ray made ready for flat shapes: in the space of all those with one transform.
+typedef struct FlatRay {
+    Ray ray;              // tmax is not used
+    double slope[2];      // direction[next[i]] / direction[longest]
+    int longest, next[2]; // axes
+    uint32_t transform;   // NONE_ID: not made ready yet
+} FlatRay;
+void flat_ray_prepare(const Scene *scene, uint32_t transform, const Ray *ray, FlatRay *out);
+
+// Whether the ray meets a native shape's primitive in double precision, with ray->tmin < t < tmax;
+// or, where it meets the primitive's plane beside it, whether it comes within FLAT_DOUBT of it:
+// *hit is then the nearest point of the primitive's edges, and the nearest t. `flat` is of the
+// shape's transform.
 typedef enum FlatHit { FLAT_MISSED, FLAT_BESIDE, FLAT_INSIDE } FlatHit;
-FlatHit accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
-                       double tmax, ShapeHit *hit);
+FlatHit accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive,
+                       const FlatRay *flat, double tmax, ShapeHit *hit);
 
 // Tests the unbounded shapes; the nearest before ray->tmax.
 bool accel_unbounded_hit(const Accel *accel, const Ray *ray, Hit *hit);

@@ -7,12 +7,6 @@
 // A ray leaves a surface at this many times the bound on the point's error.
 #define SPAWN_FACTOR 4
 
-Ray ray_map(const Affine *inverse, const Ray *ray)
-{
-    return (Ray){transform_point(inverse, ray->origin), transform_vector(inverse, ray->direction),
-                 ray->tmin, ray->tmax};
-}
-
 bool ray_clip(const Ray *ray, Box3 box, double margin, double *tmin, double *tmax)
 {
     for (int axis = 0; axis < 3; ++axis) {
@@ -26,8 +20,8 @@ bool ray_clip(const Ray *ray, Box3 box, double margin, double *tmin, double *tma
             continue;
         }
         double inverse = 1 / d, near = low * inverse, far = high * inverse;
-        *tmin = fmax(*tmin, fmin(near, far));
-        *tmax = fmin(*tmax, fmax(near, far));
+        *tmin = larger(*tmin, smaller(near, far));
+        *tmax = smaller(*tmax, larger(near, far));
     }
     return *tmin <= *tmax;
 }
@@ -37,37 +31,46 @@ bool ray_clip(const Ray *ray, Box3 box, double margin, double *tmin, double *tma
 // roundings for each triangle that it belongs to, and the sign of a difference of two rounded
 // products is that of the exact one, or zero; zero counts as inside. t is that of the plane, so
 // that its sign is that of the origin's side.
-static FlatHit mesh_triangle_hit(const Mesh *mesh, uint32_t triangle, const Ray *ray, ShapeHit *hit)
+static FlatHit mesh_triangle_hit(const Mesh *mesh, uint32_t triangle, const FlatRay *flat,
+                                 double tmax, ShapeHit *hit)
 {
     const uint32_t *index = mesh->triangles + 3 * (size_t)triangle;
-    const Vec3 direction = ray->direction, size = vec3_abs(direction);
-    const bool x_longest = size.x > size.y && size.x > size.z;
-    const bool y_longest = !x_longest && size.y > size.z;
     Vec3 from[3];
+    for (int i = 0; i < 3; ++i) {
+        from[i] = sub(mesh_vertex(mesh, index[i]), flat->ray.origin);
+    }
+    const Vec3 normal = cross(sub(from[1], from[0]), sub(from[2], from[0]));
+    const double t = dot(normal, from[0]) / dot(normal, flat->ray.direction);
+    // Most of what misses does so here: the triangle on which the ray begins.
+    if (!(t > flat->ray.tmin && t < tmax)) {
+        return FLAT_MISSED;
+    }
     double x[3], y[3];
     for (int i = 0; i < 3; ++i) {
-        const Vec3 p = from[i] = sub(mesh_vertex(mesh, index[i]), ray->origin);
-        if (x_longest) {
-            x[i] = p.y - p.x * (direction.y / direction.x);
-            y[i] = p.z - p.x * (direction.z / direction.x);
-        } else if (y_longest) {
-            x[i] = p.z - p.y * (direction.z / direction.y);
-            y[i] = p.x - p.y * (direction.x / direction.y);
-        } else {
-            x[i] = p.x - p.z * (direction.x / direction.z);
-            y[i] = p.y - p.z * (direction.y / direction.z);
-        }
+        const double p[3] = {from[i].x, from[i].y, from[i].z}, along = p[flat->longest];
+        x[i] = p[flat->next[0]] - along * flat->slope[0];
+        y[i] = p[flat->next[1]] - along * flat->slope[1];
     }
     const double a = x[2] * y[1] - y[2] * x[1], b = x[0] * y[2] - y[0] * x[2];
     const double c = x[1] * y[0] - y[1] * x[0], sum = a + b + c;
-    const Vec3 normal = cross(sub(from[1], from[0]), sub(from[2], from[0]));
-    const double t = dot(normal, from[0]) / dot(normal, direction);
-    if (!(t > ray->tmin && t < ray->tmax)) {
-        return FLAT_MISSED;
-    }
     *hit = (ShapeHit){.t = t, .primitive = triangle, .u = b / sum, .v = c / sum};
     const bool outside = (a < 0 || b < 0 || c < 0) && (a > 0 || b > 0 || c > 0);
     return outside || sum == 0 ? FLAT_BESIDE : FLAT_INSIDE;
+}
+
+void flat_ray_prepare(const Scene *scene, uint32_t transform, const Ray *ray, FlatRay *out)
+{
+    out->transform = transform;
+    out->ray = transform == 0 ? *ray : ray_map(&scene->inverses.items[transform], ray);
+    const Vec3 size = vec3_abs(out->ray.direction);
+    const bool x = size.x > size.y && size.x > size.z, y = !x && size.y > size.z;
+    out->longest = x ? 0 : y ? 1 : 2;
+    out->next[0] = x ? 1 : y ? 2 : 0;
+    out->next[1] = x ? 2 : y ? 0 : 1;
+    for (int i = 0; i < 2; ++i) {
+        out->slope[i] =
+            vec3_get(out->ray.direction, out->next[i]) / vec3_get(out->ray.direction, out->longest);
+    }
 }
 
 // Flat shapes reach a few roundings beyond their edges, so that a ray at the common edge of two of
@@ -126,36 +129,45 @@ static Vec3 nearest_on_edges(const Vec3 *corners, int count, const Ray *ray, Sha
     return nearest;
 }
 
-FlatHit accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive, const Ray *ray,
-                       double tmax, ShapeHit *hit)
+// A primitive that the ray passes beside: is it near enough to be in doubt?
+static FlatHit flat_beside(const AccelKind *kind, uint32_t transform, const Vec3 *corners,
+                           int count, const Ray *ray, ShapeHit *hit)
 {
-    const Scene *scene = kind->accel->scene;
-    const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, shape);
-    const void *params = kind->params + node->index * kind->class->node.size;
-    Ray local = accel_shape_ray(scene, node, ray);
-    local.tmax = tmax;
+    const uint32_t primitive = hit->primitive;
+    Vec3 beside = nearest_on_edges(corners, count, ray, hit);
+    hit->primitive = primitive;
+    if (transform) {
+        beside = transform_vector(&kind->accel->scene->transforms.items[transform], beside);
+    }
+    return length(beside) < FLAT_DOUBT * kind->group->scale ? FLAT_BESIDE : FLAT_MISSED;
+}
+
+FlatHit accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive,
+                       const FlatRay *flat, double tmax, ShapeHit *hit)
+{
     Vec3 corners[4];
     int count = 3;
     FlatHit found;
-    if (kind->class->holding == HOLD_TRIANGLES) {
-        const Mesh *mesh = mesh_of(scene, params);
-        found = mesh_triangle_hit(mesh, primitive, &local, hit);
-        for (int i = 0; found == FLAT_BESIDE && i < 3; ++i) {
-            corners[i] = mesh_vertex(mesh, mesh->triangles[3 * (size_t)primitive + (size_t)i]);
+    if (kind->mesh) {
+        found = mesh_triangle_hit(kind->mesh, primitive, flat, tmax, hit);
+        if (found != FLAT_BESIDE) {
+            return found;
+        }
+        for (int i = 0; i < 3; ++i) {
+            const size_t corner = 3 * (size_t)primitive + (size_t)i;
+            corners[i] = mesh_vertex(kind->mesh, kind->mesh->triangles[corner]);
         }
     } else {
-        count = kind->class->corners(params, corners);
-        found = flat_shape_hit(corners, count, &local, hit);
+        const SceneNode *node = scene_node(kind->accel->scene, CATEGORY_SHAPE, shape);
+        count = kind->class->corners(kind->params + node->index * kind->class->node.size, corners);
+        Ray ray = flat->ray;
+        ray.tmax = tmax;
+        found = flat_shape_hit(corners, count, &ray, hit);
+        if (found != FLAT_BESIDE) {
+            return found;
+        }
     }
-    if (found != FLAT_BESIDE) {
-        return found;
-    }
-    Vec3 beside = nearest_on_edges(corners, count, &local, hit);
-    hit->primitive = primitive;
-    if (node->transform) {
-        beside = transform_vector(&scene->transforms.items[node->transform], beside);
-    }
-    return length(beside) < FLAT_DOUBT * kind->group->scale ? FLAT_BESIDE : FLAT_MISSED;
+    return flat_beside(kind, flat->transform, corners, count, &flat->ray, hit);
 }
 
 bool accel_unbounded_hit(const Accel *accel, const Ray *ray, Hit *hit)
@@ -195,11 +207,30 @@ Affine accel_to_world(const Accel *accel, uint32_t shape, uint32_t instance)
 }
 
 // Brings a point from one space to the next, its error grown by that of the way there and back.
-static void map_out(const Scene *scene, uint32_t transform, ShapePoint *point)
+static void map_out(const Accel *accel, uint32_t transform, ShapePoint *point)
 {
-    const Affine *map = &scene->transforms.items[transform];
-    shape_point_map(map, point);
-    point->error += affine_round_trip_error(map, &scene->inverses.items[transform], point->p);
+    const Affine *to = &accel->scene->transforms.items[transform];
+    if (transform < accel->map_count) {
+        space_map_point(&accel->maps[transform], to, point);
+    } else {
+        const SpaceMap map = space_map(to, &accel->scene->inverses.items[transform]);
+        space_map_point(&map, to, point);
+    }
+}
+
+// The point of a shape in its own space. That of a flat one depends on the hit alone.
+static void hit_point(const Scene *scene, const SceneNode *node, const SceneInstance *instance,
+                      const Ray *ray, const ShapeHit *hit, ShapePoint *out)
+{
+    const ShapeClass *class = shape_class(scene, node);
+    Ray local = *ray;
+    if (class->holding != HOLD_TRIANGLES && class->holding != HOLD_FLAT) {
+        if (instance) {
+            local = ray_map(&scene->inverses.items[instance->transform], &local);
+        }
+        local = accel_shape_ray(scene, node, &local);
+    }
+    class->point(scene, scene_params(scene, node), &local, hit, out);
 }
 
 void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out)
@@ -208,16 +239,14 @@ void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *
     const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, hit->shape);
     const SceneInstance *instance =
         hit->instance == NONE_ID ? NULL : &scene->instances.items[hit->instance];
-    Ray local = instance ? ray_map(&scene->inverses.items[instance->transform], ray) : *ray;
-    local = accel_shape_ray(scene, node, &local);
     ShapePoint point;
-    shape_class(scene, node)->point(scene, scene_params(scene, node), &local, &hit->local, &point);
+    hit_point(scene, node, instance, ray, &hit->local, &point);
     out->object_p = point.p;
     if (node->transform) {
-        map_out(scene, node->transform, &point);
+        map_out(accel, node->transform, &point);
     }
     if (instance && instance->transform) {
-        map_out(scene, instance->transform, &point);
+        map_out(accel, instance->transform, &point);
     }
     out->p = point.p;
     out->geometric = point.geometric;
@@ -254,7 +283,7 @@ Ray surface_spawn_to(const Surface *surface, Vec3 target, double target_error, d
     double size = length(way);
     double margin = SPAWN_FACTOR * target_error + 1e-9 * size;
     return (Ray){origin, size > 0 ? scale(way, 1 / size) : surface->geometric, 0,
-                 fmax(0, size - margin)};
+                 larger(0, size - margin)};
 }
 
 AccelIssues accel_issues(const Accel *accel)

@@ -45,38 +45,86 @@ double affine_stretch(const Affine *a)
 }
 
 // |M| |p| + |t|: what the rounding errors of transform_point are proportional to.
-static Vec3 absolute_map(const Affine *a, Vec3 p, bool with_translation)
+static Vec3 absolute_map(const Affine *a, Vec3 p)
 {
     double out[3];
     for (int i = 0; i < 3; ++i) {
         out[i] = fabs(a->m[i][0]) * fabs(p.x) + fabs(a->m[i][1]) * fabs(p.y) +
-                 fabs(a->m[i][2]) * fabs(p.z) + (with_translation ? fabs(a->m[i][3]) : 0);
+                 fabs(a->m[i][2]) * fabs(p.z) + fabs(a->m[i][3]);
     }
     return vec3(out[0], out[1], out[2]);
 }
 
-double affine_round_trip_error(const Affine *a, const Affine *inverse, Vec3 p)
+static bool is_smooth(const ShapePoint *point)
 {
-    // The entries of `inverse` are rounded, too, which counts like another rounding of each
-    // product.
-    Vec3 there = scale(absolute_map(inverse, p, true), 8 * ROUNDING);
-    Vec3 back = absolute_map(a, there, false);
-    Vec3 forth = scale(absolute_map(a, transform_point(inverse, p), true), 4 * ROUNDING);
-    return max_component(add(back, forth));
+    const Vec3 a = point->geometric, b = point->shading;
+    return a.x != b.x || a.y != b.y || a.z != b.z;
 }
 
 void shape_point_map(const Affine *to_world, ShapePoint *point)
 {
     Affine cofactors = affine_cofactors(to_world);
     bool mirrored = affine_determinant(to_world) < 0;
-    double rounding = 4 * ROUNDING * max_component(absolute_map(to_world, point->p, true));
+    double rounding = 4 * ROUNDING * max_component(absolute_map(to_world, point->p));
     point->p = transform_point(to_world, point->p);
     point->error = affine_stretch(to_world) * point->error + rounding;
-    bool smooth = memcmp(&point->geometric, &point->shading, sizeof point->shading) != 0;
+    bool smooth = is_smooth(point);
     point->geometric = map_normal(&cofactors, mirrored, point->geometric);
     point->shading = smooth ? map_normal(&cofactors, mirrored, point->shading) : point->geometric;
     point->tangent = transform_vector(to_world, point->tangent);
     point->bitangent = transform_vector(to_world, point->bitangent);
+}
+
+static double largest_row(const double m[3][4])
+{
+    double most = 0;
+    for (int i = 0; i < 3; ++i) {
+        most = larger(most, fabs(m[i][0]) + fabs(m[i][1]) + fabs(m[i][2]));
+    }
+    return most;
+}
+
+SpaceMap space_map(const Affine *a, const Affine *inverse)
+{
+    SpaceMap map = {.normals = affine_cofactors(a), .stretch = affine_stretch(a)};
+    if (affine_determinant(a) < 0) {
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                map.normals.m[i][j] = -map.normals.m[i][j];
+            }
+        }
+    }
+    // |M| |M^-1| and |M| |t'|, t' the inverse's translation.
+    double both[3][4] = {{0}}, shift = 0, back = 0;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 4; ++j) {
+            for (int k = 0; k < 3; ++k) {
+                both[i][j] += fabs(a->m[i][k]) * fabs(inverse->m[k][j]);
+            }
+        }
+        shift = larger(shift, fabs(a->m[i][3]));
+        back = larger(back, both[i][3]);
+    }
+    // Of the way there, each product and sum is rounded, and the entries of `inverse` are, too,
+    // which counts like another rounding; of the way back, the map itself and one estimate more.
+    map.after = 8 * ROUNDING * largest_row((const double(*)[4])both);
+    map.before = 8 * ROUNDING * largest_row(a->m);
+    map.fixed = 8 * ROUNDING * (back + shift);
+    return map;
+}
+
+void space_map_point(const SpaceMap *map, const Affine *a, ShapePoint *point)
+{
+    const Vec3 p = transform_point(a, point->p);
+    point->error = map->stretch * point->error + map->fixed + map->before * max_abs(point->p) +
+                   map->after * max_abs(p);
+    point->p = p;
+    const bool smooth = is_smooth(point);
+    point->geometric = normalize(transform_vector(&map->normals, point->geometric));
+    point->shading =
+        smooth ? normalize(transform_vector(&map->normals, point->shading)) : point->geometric;
+    point->tangent = transform_vector(a, point->tangent);
+    point->bitangent = transform_vector(a, point->bitangent);
 }
 
 // splitmix64 (Steele, Lea, Flood 2014)

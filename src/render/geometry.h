@@ -19,9 +19,20 @@ Vec3 map_normal(const Affine *cofactors, bool mirrored, Vec3 normal);
 bool affine_is_similarity(const Affine *a, double *scale_out);
 // A bound on how much the linear part can stretch a vector (its Frobenius norm).
 double affine_stretch(const Affine *a);
-// A bound on the rounding error, as a length in the target space, of bringing point p of the
-// target space back with `inverse` and of the way there: what the map's condition does included.
-double affine_round_trip_error(const Affine *a, const Affine *inverse, Vec3 p);
+
+// What a map does to points of surfaces, besides moving them.
+typedef struct SpaceMap {
+    Affine normals; // the map of normals but for their length: see map_normal
+    double stretch;
+    // The rounding error, as a length in the target space, of bringing a point back by the inverse
+    // and of the way there, what the map's condition does included, is at most
+    // fixed + before |p| + after |p'|, in the maximum norm, p being the point and p' where it goes.
+    double fixed, before, after;
+} SpaceMap;
+SpaceMap space_map(const Affine *a, const Affine *inverse);
+// Brings all fields of a point to the target space of `a`, with its error, that of a ray's way to
+// the point's space and back included.
+void space_map_point(const SpaceMap *map, const Affine *a, ShapePoint *point);
 
 // Brings all fields of a point to the space that `to_world` leads to, with its error.
 void shape_point_map(const Affine *to_world, ShapePoint *point);

@@ -109,7 +109,6 @@ void shading_point_bend(const ShadingPoint *point, Vec3 normal, Vec3 tangent, Sh
 //
 // Light leaks: where a direction's side of the surface by the shading normal and by the geometric
 // normal differ, the material neither reflects nor transmits (Veach 1997, 5.3).
-const WorldMaterial *world_material(const struct World *world, uint32_t id);
 uint32_t material_lobes(const struct World *world, uint32_t id);
 BsdfEval material_eval(const ShadingPoint *point, uint32_t id, Vec3 wi);
 bool material_sample(const ShadingPoint *point, uint32_t id, float lobe, float u, float v,

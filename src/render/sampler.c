@@ -3,6 +3,8 @@
 #include "base/hash.h"
 #include "render/sobol_tables.h"
 
+#include <string.h>
+
 static uint32_t reverse_bits(uint32_t x)
 {
     x = (x >> 16) | (x << 16);
@@ -39,20 +41,50 @@ void sampler_start(Sampler *sampler, uint32_t seed, uint32_t pixel_x, uint32_t p
     sampler->set = 0;
 }
 
+// The same for four numbers at once, which compilers don't find by themselves.
+typedef uint32_t Four __attribute__((vector_size(16)));
+
+static inline Four four_hash(Four x)
+{
+    x ^= x >> 16;
+    x *= 0x7feb352du;
+    x ^= x >> 15;
+    x *= 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+
+static inline Four four_laine_karras(Four x, Four seed)
+{
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+static inline Four four_reverse_bits(Four x)
+{
+    x = (x >> 16) | (x << 16);
+    x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
+    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+    return ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+}
+
 void sampler_fill(Sampler *sampler, uint32_t set)
 {
     const uint32_t seed = hash_combine(sampler->seed, set);
     const uint32_t index = laine_karras(sampler->reversed_index, seed);
-    uint32_t x[4] = {0, 0, 0, 0};
+    Four x = {0, 0, 0, 0};
     for (int k = 0; k < 8; ++k) {
-        const uint32_t *row = sobol_nibbles[k][(index >> (4 * k)) & 15];
-        for (int d = 0; d < 4; ++d) {
-            x[d] ^= row[d];
-        }
+        Four row;
+        memcpy(&row, sobol_nibbles[k][(index >> (4 * k)) & 15], sizeof row);
+        x ^= row;
     }
+    const Four dimension = {0x9e3779b9u, 2 * 0x9e3779b9u, 3 * 0x9e3779b9u, 4 * 0x9e3779b9u};
+    x = four_reverse_bits(four_laine_karras(x, four_hash(seed + dimension)));
     for (int d = 0; d < 4; ++d) {
-        const uint32_t scramble = hash_u32(seed + 0x9e3779b9u * ((uint32_t)d + 1));
-        x[d] = reverse_bits(laine_karras(x[d], scramble));
         sampler->values[d] = hash_to_float(x[d]);
     }
     sampler->set = set + 1;

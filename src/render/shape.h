@@ -58,7 +58,7 @@ typedef struct ShapeClass {
     bool (*closed)(const void *params);
     // The nearest hit with ray->tmin < t < ray->tmax; the direction need not be of unit length.
     bool (*intersect)(const void *params, const Ray *ray, ShapeHit *hit);
-    // The geometry at a hit.
+    // The geometry at a hit; that of kinds held as triangles doesn't ask for the ray.
     void (*point)(const Scene *scene, const void *params, const Ray *ray, const ShapeHit *hit,
                   ShapePoint *out);
     // HOLD_FLAT: 3 or 4 corners, in order; returns how many.
@@ -73,14 +73,15 @@ typedef struct ShapeClass {
     // Better than by area where it can be: by solid angle seen from `reference` (world). NULL, or
     // false where it doesn't apply (reference on or inside, non-uniform transform): the caller then
     // uses sample_area. pdf by solid angle.
-    bool (*sample_solid_angle)(const void *params, const Affine *to_world, Vec3 reference,
-                               double u0, double u1, ShapeSample *out);
+    // `table` as there.
+    bool (*sample_solid_angle)(const void *params, const Affine *to_world, const void *table,
+                               Vec3 reference, double u0, double u1, ShapeSample *out);
     // The solid-angle pdf with which sample_solid_angle would choose `direction` (unit, world) that
     // hits the shape; 0 where it wouldn't apply.
-    double (*solid_angle_pdf)(const void *params, const Affine *to_world, Vec3 reference,
-                              Vec3 direction);
-    // A table for sample_area (areas of a mesh's triangles, of a box's faces), in `arena`; NULL
-    // when memory runs out. NULL function: none needed.
+    double (*solid_angle_pdf)(const void *params, const Affine *to_world, const void *table,
+                              Vec3 reference, Vec3 direction);
+    // A table for sampling (areas of a mesh's triangles, a rectangle in the world), in `arena`;
+    // NULL when memory runs out. NULL function: none needed.
     void *(*prepare_sampling)(const Scene *scene, const void *params, const Affine *to_world,
                               Arena *arena);
 } ShapeClass;

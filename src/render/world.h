@@ -36,6 +36,12 @@ typedef struct World {
     double near, far;
 } World;
 
+// The material `id` (NONE_ID: the default).
+static inline const WorldMaterial *world_material(const World *world, uint32_t id)
+{
+    return &world->materials[id < world->material_count ? id : world->material_count];
+}
+
 // Makes a scene ready, with `threads` threads (0: all). The scene must not change while the world
 // lives. NULL after a report to `sink`: a texture that can't be read, no memory, …
 World *world_build(const Scene *scene, unsigned threads, DiagSink *sink);

@@ -78,6 +78,8 @@ typedef struct AreaData {
     Rgb radiance;      // of an area_light, before the texture
     uint32_t texture;
     bool two_sided;
+    bool front_only; // flat, and dark behind the plane of `point` and `normal`
+    Vec3 point, normal;
 } AreaData;
 
 // The material that a shape of an instance has.
@@ -126,8 +128,7 @@ static double diffuse_power(const AreaData *data, Rgb radiance)
 }
 
 // The light's strength, and the directions into which it shines where the shape is flat.
-static void set_strength(const LightPrepare *prepare, const AreaData *data, Rgb radiance,
-                         bool both_sides)
+static void set_strength(const LightPrepare *prepare, AreaData *data, Rgb radiance, bool both_sides)
 {
     Light *light = prepare->light;
     light->power = diffuse_power(data, radiance);
@@ -138,6 +139,9 @@ static void set_strength(const LightPrepare *prepare, const AreaData *data, Rgb 
         data->class->sample_area(prepare->world->scene, data->shape, &data->to_world, data->table,
                                  0.5, 0.5, 0.5, &s);
         light->cone = (LightCone){s.point.geometric, 0, PI / 2};
+        data->front_only = true;
+        data->point = s.point.p;
+        data->normal = s.point.geometric;
     }
 }
 
@@ -197,15 +201,42 @@ static Rgb emitted(const World *world, const Light *light, const Surface *hit)
                : rgb_mul(data->radiance, texture_color(world->textures, data->texture, hit));
 }
 
+// The radiance that a sampled point emits to its front, or to its back.
+static Rgb emitted_at(const World *world, const Light *light, const ShapeSample *s, bool front)
+{
+    const AreaData *data = light->data;
+    if (data->material == NONE_ID && data->texture == NONE_ID) {
+        return front || data->two_sided ? data->radiance : rgb_gray(0);
+    }
+    Surface surface = {.p = s->point.p,
+                       .geometric = s->point.geometric,
+                       .shading = s->point.shading,
+                       .tangent = s->point.tangent,
+                       .bitangent = s->point.bitangent,
+                       .object_p = transform_point(&data->to_object, s->point.p),
+                       .uv = s->point.uv,
+                       .color = s->point.color,
+                       .error = s->point.error,
+                       .shape = light->shape,
+                       .instance = light->instance,
+                       .primitive = s->primitive,
+                       .material = data->material,
+                       .front = front};
+    return emitted(world, light, &surface);
+}
+
 // Sampled by solid angle where the shape can, else by area.
 static bool sample(const World *world, const Light *light, Vec3 reference, double u0, double u1,
                    double u2, LightSample *out)
 {
     const AreaData *data = light->data;
+    if (data->front_only && dot(sub(reference, data->point), data->normal) <= 0) {
+        return false;
+    }
     ShapeSample s;
-    bool by_angle =
-        data->class->sample_solid_angle &&
-        data->class->sample_solid_angle(data->shape, &data->to_world, reference, u0, u1, &s);
+    bool by_angle = data->class->sample_solid_angle &&
+                    data->class->sample_solid_angle(data->shape, &data->to_world, data->table,
+                                                    reference, u0, u1, &s);
     if (!by_angle) {
         data->class->sample_area(world->scene, data->shape, &data->to_world, data->table, u0, u1,
                                  u2, &s);
@@ -221,24 +252,10 @@ static bool sample(const World *world, const Light *light, Vec3 reference, doubl
     if (facing == 0) {
         return false;
     }
-    Surface surface = {.p = s.point.p,
-                       .geometric = s.point.geometric,
-                       .shading = s.point.shading,
-                       .tangent = s.point.tangent,
-                       .bitangent = s.point.bitangent,
-                       .object_p = transform_point(&data->to_object, s.point.p),
-                       .uv = s.point.uv,
-                       .color = s.point.color,
-                       .error = s.point.error,
-                       .shape = light->shape,
-                       .instance = light->instance,
-                       .primitive = s.primitive,
-                       .material = data->material,
-                       .front = facing > 0};
     out->distance = r;
     out->point = s.point.p;
     out->error = s.point.error;
-    out->value = emitted(world, light, &surface);
+    out->value = emitted_at(world, light, &s, facing > 0);
     out->pdf = (float)(by_angle ? s.pdf : s.pdf * r2 / fabs(facing));
     out->delta = false;
     return out->pdf > 0 && isfinite(out->pdf);
@@ -250,8 +267,8 @@ static float pdf(const World *world, const Light *light, Vec3 reference, Vec3 di
     (void)world;
     const AreaData *data = light->data;
     if (data->class->solid_angle_pdf) {
-        double by_angle =
-            data->class->solid_angle_pdf(data->shape, &data->to_world, reference, direction);
+        double by_angle = data->class->solid_angle_pdf(data->shape, &data->to_world, data->table,
+                                                       reference, direction);
         if (by_angle > 0) {
             return (float)by_angle;
         }

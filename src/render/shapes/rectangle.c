@@ -87,94 +87,185 @@ static double rectangle_area(const Scene *scene, const void *params, const Affin
     return flat_area(r->u, r->v, to_world);
 }
 
+// What sampling needs of the rectangle in the world.
+typedef struct RectangleTable {
+    ShapePoint
+        corner; // the point at u = v = 0; its tangents are the edges, its error is everyone's
+    Vec3 x, y, normal; // unit, along the edges and across
+    double lu, lv;     // lengths of the edges
+    double area;
+    bool perpendicular;
+} RectangleTable;
+
+static RectangleTable rectangle_table(const Rectangle *r, const Affine *to_world)
+{
+    RectangleTable out;
+    double error = 0;
+    for (int corner = 3; corner >= 0; --corner) {
+        flat_point(r->corner, r->u, r->v, corner & 1, corner >> 1, &out.corner);
+        shape_point_map(to_world, &out.corner);
+        error = larger(error, out.corner.error);
+    }
+    const Vec3 u = out.corner.tangent, v = out.corner.bitangent;
+    out.lu = length(u);
+    out.lv = length(v);
+    out.x = scale(u, 1 / out.lu);
+    out.y = scale(v, 1 / out.lv);
+    out.normal = cross(out.x, out.y);
+    out.area = length(cross(u, v));
+    out.perpendicular = fabs(dot(u, v)) <= 1e-9 * out.lu * out.lv;
+    // Points are made from the corner in the world, which rounds once more.
+    out.corner.error = error + rounding_error(max_abs(out.corner.p) + out.lu + out.lv);
+    return out;
+}
+
+static void *rectangle_prepare_sampling(const Scene *scene, const void *params,
+                                        const Affine *to_world, Arena *arena)
+{
+    (void)scene;
+    RectangleTable *table = ARENA_NEW(arena, RectangleTable);
+    if (table) {
+        *table = rectangle_table(params, to_world);
+    }
+    return table;
+}
+
+static void table_point(const RectangleTable *table, double u, double v, ShapeSample *out)
+{
+    out->point = table->corner;
+    out->point.p = add_scaled(add_scaled(table->corner.p, table->corner.tangent, u),
+                              table->corner.bitangent, v);
+    out->point.uv = (Vec2){u, v};
+    out->primitive = 0;
+}
+
 static void rectangle_sample_area(const Scene *scene, const void *params, const Affine *to_world,
                                   const void *table, double u0, double u1, double u2,
                                   ShapeSample *out)
 {
     (void)scene;
-    (void)table;
     (void)u2;
-    const Rectangle *r = params;
-    flat_point(r->corner, r->u, r->v, u0, u1, &out->point);
-    shape_point_map(to_world, &out->point);
-    out->primitive = 0;
-    out->pdf = 1 / flat_area(r->u, r->v, to_world);
+    RectangleTable own;
+    if (!table) {
+        own = rectangle_table(params, to_world);
+        table = &own;
+    }
+    table_point(table, u0, u1, out);
+    out->pdf = 1 / ((const RectangleTable *)table)->area;
 }
 
 // The rectangle as seen from a reference point: Ureña, Fajardo, King 2013, "An Area-Preserving
 // Parametrization for Spherical Rectangles", section 3. Coordinates in its own axes about the
-// reference, z0 < 0.
+// reference, z0 < 0. The paper's sums of angles are products of complex numbers here, so that one
+// arc tangent replaces four arc cosines.
 typedef struct SphericalRectangle {
     double x0, y0, x1, y1, z0;
-    double b0, b1, k;
+    double b0, b1, cos_k, sin_k;
     double solid_angle;
 } SphericalRectangle;
 
-static double clamped_acos(double x)
+typedef struct Turn { // by an angle: the complex number of size 1
+    double cosine, sine;
+} Turn;
+
+static Turn turn_add(Turn a, Turn b)
 {
-    return acos(fmin(fmax(x, -1), 1));
+    return (Turn){a.cosine * b.cosine - a.sine * b.sine, a.sine * b.cosine + a.cosine * b.sine};
+}
+
+// A plane through the reference and an edge: the z component of its normal, n, and 1 - n².
+typedef struct EdgePlane {
+    double n, rest;
+} EdgePlane;
+
+static EdgePlane edge_plane(double offset, double z0)
+{
+    const double inverse = 1 / sqrt(offset * offset + z0 * z0), cosine = z0 * inverse;
+    return (EdgePlane){offset * inverse, cosine * cosine};
+}
+
+// The inner angle between the planes of two neighbouring edges: acos(-a b), in (0, π).
+static Turn inner_angle(EdgePlane a, EdgePlane b)
+{
+    return (Turn){-a.n * b.n, sqrt(a.rest + a.n * a.n * b.rest)};
+}
+
+// The angle in [0, 2π), as far as it is known to be that of a solid angle.
+static double solid_angle_of(Turn turn, const SphericalRectangle *q)
+{
+    const double angle = atan2(turn.sine, turn.cosine);
+    if (angle >= 0 || turn.cosine < 0) {
+        return angle >= 0 ? angle : angle + 2 * PI;
+    }
+    // More than 3/2 π is seen from before the rectangle, near it; else zero has been rounded.
+    const bool before = q->x0 < 0 && q->x1 > 0 && q->y0 < 0 && q->y1 > 0;
+    return before && -q->z0 < q->x1 - q->x0 + q->y1 - q->y0 ? angle + 2 * PI : 0;
 }
 
 // False where the edges aren't perpendicular, the reference lies in the plane, or the solid angle
 // is too small for its sum of angles.
-static bool spherical_rectangle(const Rectangle *r, const Affine *to_world, Vec3 reference,
+static bool spherical_rectangle(const RectangleTable *table, Vec3 reference,
                                 SphericalRectangle *out)
 {
-    Vec3 u = transform_vector(to_world, r->u), v = transform_vector(to_world, r->v);
-    double lu = length(u), lv = length(v);
-    if (!(fabs(dot(u, v)) <= 1e-9 * lu * lv)) {
+    const Vec3 from = sub(table->corner.p, reference);
+    const double z0 = -fabs(dot(from, table->normal));
+    const double x0 = dot(from, table->x), x1 = x0 + table->lu;
+    const double y0 = dot(from, table->y), y1 = y0 + table->lv;
+    if (!table->perpendicular || !(z0 < -1e-9 * (fabs(x0) + fabs(y0) + table->lu + table->lv))) {
         return false;
     }
-    Vec3 x = scale(u, 1 / lu), y = scale(v, 1 / lv);
-    Vec3 from = sub(transform_point(to_world, r->corner), reference);
-    double z0 = -fabs(dot(from, cross(x, y)));
-    double x0 = dot(from, x), y0 = dot(from, y), x1 = x0 + lu, y1 = y0 + lv;
-    if (!(z0 < -1e-9 * (fabs(x0) + fabs(y0) + lu + lv))) {
-        return false;
-    }
-    // z components of the normals of the four planes through the edges, and the inner angles.
-    double n0 = -y0 / sqrt(z0 * z0 + y0 * y0), n1 = x1 / sqrt(z0 * z0 + x1 * x1);
-    double n2 = y1 / sqrt(z0 * z0 + y1 * y1), n3 = -x0 / sqrt(z0 * z0 + x0 * x0);
-    double g0 = clamped_acos(-n0 * n1), g1 = clamped_acos(-n1 * n2);
-    double g2 = clamped_acos(-n2 * n3), g3 = clamped_acos(-n3 * n0);
-    double k = 2 * PI - g2 - g3;
-    *out = (SphericalRectangle){x0, y0, x1, y1, z0, n0, n2, k, g0 + g1 - k};
+    const EdgePlane n0 = edge_plane(-y0, z0), n1 = edge_plane(x1, z0);
+    const EdgePlane n2 = edge_plane(y1, z0), n3 = edge_plane(-x0, z0);
+    // k = 2π - g2 - g3, and the solid angle is g0 + g1 + g2 + g3 - 2π.
+    const Turn g23 = turn_add(inner_angle(n2, n3), inner_angle(n3, n0));
+    const Turn all = turn_add(turn_add(inner_angle(n0, n1), inner_angle(n1, n2)), g23);
+    *out = (SphericalRectangle){x0, y0, x1, y1, z0, n0.n, n2.n, g23.cosine, -g23.sine, 0};
+    out->solid_angle = solid_angle_of(all, out);
     return out->solid_angle > FLAT_LEAST_SOLID_ANGLE;
 }
 
-static bool rectangle_sample_solid_angle(const void *params, const Affine *to_world, Vec3 reference,
-                                         double u0, double u1, ShapeSample *out)
+static bool rectangle_sample_solid_angle(const void *params, const Affine *to_world,
+                                         const void *table, Vec3 reference, double u0, double u1,
+                                         ShapeSample *out)
 {
-    const Rectangle *r = params;
+    RectangleTable own;
+    if (!table) {
+        own = rectangle_table(params, to_world);
+        table = &own;
+    }
+    const RectangleTable *t = table;
     SphericalRectangle q;
-    if (!spherical_rectangle(r, to_world, reference, &q)) {
+    if (!spherical_rectangle(t, reference, &q)) {
         return false;
     }
-    double angle = u0 * q.solid_angle + q.k;
-    double f = (cos(angle) * q.b0 - q.b1) / sin(angle);
+    const double angle = u0 * q.solid_angle;
+    const Turn at = turn_add((Turn){q.cos_k, q.sin_k}, (Turn){cos(angle), sin(angle)});
+    double f = (at.cosine * q.b0 - q.b1) / at.sine;
     double cu = copysign(1 / sqrt(f * f + q.b0 * q.b0), f);
-    cu = fmin(fmax(cu, -1), 1);
-    double x = -(cu * q.z0) / fmax(sqrt(1 - cu * cu), 1e-300);
-    x = fmin(fmax(x, q.x0), q.x1);
+    cu = smaller(larger(cu, -1), 1);
+    double x = -(cu * q.z0) / larger(sqrt(1 - cu * cu), 1e-300);
+    x = smaller(larger(x, q.x0), q.x1);
     double d2 = x * x + q.z0 * q.z0;
     double h0 = q.y0 / sqrt(d2 + q.y0 * q.y0), h1 = q.y1 / sqrt(d2 + q.y1 * q.y1);
     double h = h0 + u1 * (h1 - h0);
     double y = h * h < 1 - 1e-15 ? h * sqrt(d2 / (1 - h * h)) : q.y1;
-    y = fmin(fmax(y, q.y0), q.y1);
-    flat_point(r->corner, r->u, r->v, (x - q.x0) / (q.x1 - q.x0), (y - q.y0) / (q.y1 - q.y0),
-               &out->point);
-    shape_point_map(to_world, &out->point);
-    out->primitive = 0;
+    y = smaller(larger(y, q.y0), q.y1);
+    table_point(t, (x - q.x0) / t->lu, (y - q.y0) / t->lv, out);
     out->pdf = 1 / q.solid_angle;
     return true;
 }
 
-static double rectangle_solid_angle_pdf(const void *params, const Affine *to_world, Vec3 reference,
-                                        Vec3 direction)
+static double rectangle_solid_angle_pdf(const void *params, const Affine *to_world,
+                                        const void *table, Vec3 reference, Vec3 direction)
 {
     (void)direction;
+    RectangleTable own;
+    if (!table) {
+        own = rectangle_table(params, to_world);
+        table = &own;
+    }
     SphericalRectangle q;
-    return spherical_rectangle(params, to_world, reference, &q) ? 1 / q.solid_angle : 0;
+    return spherical_rectangle(table, reference, &q) ? 1 / q.solid_angle : 0;
 }
 
 const ShapeClass rectangle_shape = {
@@ -202,4 +293,5 @@ const ShapeClass rectangle_shape = {
     .sample_area = rectangle_sample_area,
     .sample_solid_angle = rectangle_sample_solid_angle,
     .solid_angle_pdf = rectangle_solid_angle_pdf,
+    .prepare_sampling = rectangle_prepare_sampling,
 };

@@ -173,9 +173,10 @@ static bool sphere_cone(const Sphere *s, const Affine *to_world, Vec3 reference,
 
 // Uniform in the cone; the point from the law of cosines (pbrt 4, 6.2.4), which stays on the sphere
 // however far it is.
-static bool sphere_sample_solid_angle(const void *params, const Affine *to_world, Vec3 reference,
-                                      double u0, double u1, ShapeSample *out)
+static bool sphere_sample_solid_angle(const void *params, const Affine *to_world, const void *table,
+                                      Vec3 reference, double u0, double u1, ShapeSample *out)
 {
+    (void)table;
     const Sphere *s = params;
     SphereCone cone;
     if (!sphere_cone(s, to_world, reference, &cone)) {
@@ -199,9 +200,10 @@ static bool sphere_sample_solid_angle(const void *params, const Affine *to_world
     return true;
 }
 
-static double sphere_solid_angle_pdf(const void *params, const Affine *to_world, Vec3 reference,
-                                     Vec3 direction)
+static double sphere_solid_angle_pdf(const void *params, const Affine *to_world, const void *table,
+                                     Vec3 reference, Vec3 direction)
 {
+    (void)table;
     (void)direction;
     SphereCone cone;
     return sphere_cone(params, to_world, reference, &cone) ? 1 / (2 * PI * cone.one_minus_cos) : 0;

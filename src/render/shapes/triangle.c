@@ -157,9 +157,11 @@ static Vec3 spherical_triangle_direction(const SphericalTriangle *q, double u0, 
     return add(scale(q->b, 1 - along), scale(side, sqrt(fmax(0, along * (2 - along)))));
 }
 
-static bool triangle_sample_solid_angle(const void *params, const Affine *to_world, Vec3 reference,
-                                        double u0, double u1, ShapeSample *out)
+static bool triangle_sample_solid_angle(const void *params, const Affine *to_world,
+                                        const void *table, Vec3 reference, double u0, double u1,
+                                        ShapeSample *out)
 {
+    (void)table;
     const Triangle *t = params;
     SphericalTriangle q;
     if (!spherical_triangle(t, to_world, reference, &q)) {
@@ -180,9 +182,10 @@ static bool triangle_sample_solid_angle(const void *params, const Affine *to_wor
     return true;
 }
 
-static double triangle_solid_angle_pdf(const void *params, const Affine *to_world, Vec3 reference,
-                                       Vec3 direction)
+static double triangle_solid_angle_pdf(const void *params, const Affine *to_world,
+                                       const void *table, Vec3 reference, Vec3 direction)
 {
+    (void)table;
     (void)direction;
     SphericalTriangle q;
     return spherical_triangle(params, to_world, reference, &q) ? 1 / q.solid_angle : 0;

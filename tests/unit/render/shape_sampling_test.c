@@ -613,13 +613,13 @@ static void solid_angle_densities_are_one_over_it(void **state)
             Vec3 near = s->at(s, 0, uniform(&r), uniform(&r));
             Vec3 reference = transform_point(&to, add_scaled(near, random_direction(&r), away));
             ShapeSample sample;
-            bool found = class->sample_solid_angle(s->params.bytes, &to, reference, uniform(&r),
-                                                   uniform(&r), &sample);
+            bool found = class->sample_solid_angle(s->params.bytes, &to, NULL, reference,
+                                                   uniform(&r), uniform(&r), &sample);
             Vec3 way = vec3(0, 0, 0);
             if (found) {
                 way = normalize(sub(sample.point.p, reference));
             }
-            double pdf = class->solid_angle_pdf(s->params.bytes, &to, reference, way);
+            double pdf = class->solid_angle_pdf(s->params.bytes, &to, NULL, reference, way);
             if (!found) {
                 assert_true(pdf == 0);
                 continue;
@@ -661,26 +661,26 @@ static void solid_angles_know_their_limits(void **state)
     const ShapeClass *class = class_of(&sphere->params);
     Vec3 on = add(sphere->o, vec3(0, 0.8, 0)), outside = add(sphere->o, vec3(0, 9, 0));
     const void *bytes = sphere->params.bytes;
-    assert_false(class->sample_solid_angle(bytes, &identity, sphere->o, 0.5, 0.5, &sample));
-    assert_false(class->sample_solid_angle(bytes, &identity, on, 0.5, 0.5, &sample));
-    assert_false(class->sample_solid_angle(bytes, &uneven, outside, 0.5, 0.5, &sample));
-    assert_true(class->solid_angle_pdf(bytes, &uneven, outside, vec3(0, -1, 0)) == 0);
-    assert_true(class->sample_solid_angle(bytes, &identity, outside, 0.5, 0.5, &sample));
+    assert_false(class->sample_solid_angle(bytes, &identity, NULL, sphere->o, 0.5, 0.5, &sample));
+    assert_false(class->sample_solid_angle(bytes, &identity, NULL, on, 0.5, 0.5, &sample));
+    assert_false(class->sample_solid_angle(bytes, &uneven, NULL, outside, 0.5, 0.5, &sample));
+    assert_true(class->solid_angle_pdf(bytes, &uneven, NULL, outside, vec3(0, -1, 0)) == 0);
+    assert_true(class->sample_solid_angle(bytes, &identity, NULL, outside, 0.5, 0.5, &sample));
     for (int k = 1; k < 3; ++k) {
         const Patches *s = &patches[k];
         class = class_of(&s->params);
         Vec3 inside = add(s->o, scale(add(s->eu, s->ev), 0.3));
         assert_false(
-            class->sample_solid_angle(s->params.bytes, &identity, inside, 0.5, 0.5, &sample));
+            class->sample_solid_angle(s->params.bytes, &identity, NULL, inside, 0.5, 0.5, &sample));
         Vec3 beside = add(s->o, scale(s->eu, 5));
         assert_false(
-            class->sample_solid_angle(s->params.bytes, &identity, beside, 0.5, 0.5, &sample));
+            class->sample_solid_angle(s->params.bytes, &identity, NULL, beside, 0.5, 0.5, &sample));
     }
     Affine shear = affine_identity();
     shear.m[0][1] = 0.4;
     class = class_of(&patches[1].params);
-    assert_false(
-        class->sample_solid_angle(patches[1].params.bytes, &shear, outside, 0.5, 0.5, &sample));
+    assert_false(class->sample_solid_angle(patches[1].params.bytes, &shear, NULL, outside, 0.5, 0.5,
+                                           &sample));
 }
 
 // Uniform by solid angle: the sphere in bands of its cone, the others in cells of the surface whose
@@ -730,8 +730,8 @@ static void directions_are_uniform_by_solid_angle(void **state)
             }
             for (int n = 0; n < h.samples; ++n) {
                 ShapeSample sample;
-                assert_true(class->sample_solid_angle(s->params.bytes, &to, reference, uniform(&r),
-                                                      uniform(&r), &sample));
+                assert_true(class->sample_solid_angle(s->params.bytes, &to, NULL, reference,
+                                                      uniform(&r), uniform(&r), &sample));
                 double u, v;
                 if (k == 0) {
                     Vec3 w = to_local(&about, normalize(sub(sample.point.p, reference)));
@@ -761,7 +761,7 @@ static void tiny_and_huge_spheres_are_seen_right(void **state)
         Real wanted = 2 * (Real)PI * sine * sine / (1 + sqrtl(1 - sine * sine));
         ShapeSample sample;
         for (int n = 0; n < 100; ++n) {
-            assert_true(class_of(&p)->sample_solid_angle(p.bytes, &identity, vec3(0, 0, 0),
+            assert_true(class_of(&p)->sample_solid_angle(p.bytes, &identity, NULL, vec3(0, 0, 0),
                                                          (n + 0.5) / 100, 0.3, &sample));
             assert_near(sample.pdf * (double)wanted, 1, 1e-12);
             Vec3 from = sub(sample.point.p, vec3(0, 0, distances[i]));
@@ -859,7 +859,8 @@ static void view_factors_of_squares(void **state)
                 double c = fabs(dot(p.point.geometric, normalize(d))) * cosine_at(&q, p.point.p);
                 by_area.sums[n / BATCH] += c / (PI * dot(d, d)) / q.pdf;
             }
-            if (class->sample_solid_angle(other[k].bytes, &identity, p.point.p, u[2], u[3], &q)) {
+            if (class->sample_solid_angle(other[k].bytes, &identity, NULL, p.point.p, u[2], u[3],
+                                          &q)) {
                 Vec3 d = normalize(sub(q.point.p, p.point.p));
                 by_angle.sums[n / BATCH] += fabs(dot(p.point.geometric, d)) / PI / q.pdf;
             }
@@ -890,7 +891,7 @@ static void irradiance_under_lights(void **state)
         points_at(&points, n % BATCH, u);
         const int batch = n / BATCH;
         Vec3 o = vec3(0, 0, 0);
-        class_of(&square)->sample_solid_angle(square.bytes, &identity, o, u[0], u[1], &s);
+        class_of(&square)->sample_solid_angle(square.bytes, &identity, NULL, o, u[0], u[1], &s);
         m[0].sums[batch] += normalize(s.point.p).y / s.pdf;
         class_of(&square)->sample_area(NULL, square.bytes, &identity, NULL, u[0], u[1], 0, &s);
         m[1].sums[batch] +=
@@ -901,7 +902,7 @@ static void irradiance_under_lights(void **state)
             Vec3 d = sub(s.point.p, at);
             m[2 + k].sums[batch] += normalize(d).y * cosine_at(&s, at) / dot(d, d) / s.pdf / PI;
         }
-        class_of(&sphere)->sample_solid_angle(sphere.bytes, &identity, o, u[0], u[1], &s);
+        class_of(&sphere)->sample_solid_angle(sphere.bytes, &identity, NULL, o, u[0], u[1], &s);
         m[5].sums[batch] += normalize(s.point.p).y / s.pdf;
     }
     mean_check(&m[0], 0.752275, "square by solid angle");
