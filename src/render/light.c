@@ -21,18 +21,21 @@ typedef struct ShapeSlot {
 #define PLAIN_PART           0.0625F
 #define PLAIN_PART_UNNATURAL 0.5F
 
+// Up to so many lights at infinity are weighed one by one for each point.
+enum { FEW = 8 };
+
 struct LightSet {
     ARRAY(Light) lights;
     uint32_t *infinite;
     uint32_t infinite_count;
-    AliasTable by_power; // over `chosen`
-    uint32_t *chosen;    // lights of power > 0: those at infinity first
-    uint32_t *chosen_at; // light → place in `chosen`, or NONE_ID
-    AliasTable far;      // over the first of `chosen`, those at infinity, by irradiance
-    double far_irradiance;
-    LightTree tree;   // over the others
-    float plain_part; // of the choices are by power alone
-    ShapeSlot *slots; // NULL: no shape is a light
+    AliasTable by_power;   // over `chosen`
+    uint32_t *chosen;      // lights of power > 0: those at infinity first
+    uint32_t *chosen_at;   // light → place in `chosen`, or NONE_ID
+    AliasTable far;        // over the first of `chosen`, those at infinity, by irradiance
+    double far_irradiance; // of all of them
+    LightTree tree;        // over the others
+    float plain_part;      // of the choices are by power alone
+    ShapeSlot *slots;      // NULL: no shape is a light
     uint32_t slot_mask;
 };
 
@@ -443,33 +446,83 @@ static uint32_t choose_mixed(const AliasTable *table, double u)
     return place < table->count ? (uint32_t)place : table->count - 1;
 }
 
-// The chance of the lights at infinity against those of the tree: half by what both give at the
-// point, about, half even.
-static double far_part(const LightSet *set, const LightReceiver *at)
+// What a light at infinity gives at a point, about. Wide light, which scattered rays often find by
+// chance, needs half as many samples.
+static double far_irradiance(const Light *light, const LightReceiver *at)
 {
+    double irradiance = light->intensity * (light->cone.normals < 0.5 ? 1 : 0.5);
+    if (light->cone.normals >= PI || length_squared(at->normal) == 0) {
+        return irradiance;
+    }
+    double cosine = fmin(fmax(dot(at->normal, light->cone.axis), -1), 1);
+    double angle = fmax(acos(cosine) - light->cone.normals, 0);
+    return irradiance * fmax(cos(angle), 0);
+}
+
+// How the choice at a point splits.
+typedef struct Split {
+    double far; // the chance of the lights at infinity, all together
+    double total, weights[FEW];
+} Split;
+
+// A small part is even on all levels, since what is guessed may be in the shadow.
+#define EVEN 0.125
+
+static Split split_at(const LightSet *set, const LightReceiver *at)
+{
+    Split split = {.far = 0};
     if (set->far.count == 0) {
-        return 0;
+        return split;
+    }
+    split.total = set->far_irradiance;
+    if (set->far.count <= FEW) {
+        split.total = 0;
+        for (uint32_t i = 0; i < set->far.count; ++i) {
+            split.weights[i] = far_irradiance(&set->lights.items[set->chosen[i]], at);
+            split.total += split.weights[i];
+        }
     }
     double near = set->tree.count ? light_tree_importance(&set->tree, at) : 0;
-    if (!(near > 0)) {
-        return 1;
+    split.far = !(near > 0)          ? 1
+                : !(split.total > 0) ? 0
+                                     : EVEN + (1 - 2 * EVEN) * split.total / (split.total + near);
+    return split;
+}
+
+static double far_chance(const LightSet *set, const Split *split, uint32_t item)
+{
+    if (set->far.count > FEW) {
+        return mixed_chance(&set->far, item);
     }
-    return 0.25 + 0.5 * set->far_irradiance / (set->far_irradiance + near);
+    double even = 1.0 / set->far.count;
+    return split->total > 0 ? EVEN * even + (1 - EVEN) * split->weights[item] / split->total : even;
+}
+
+static uint32_t choose_far(const LightSet *set, const Split *split, double u)
+{
+    if (set->far.count > FEW) {
+        return choose_mixed(&set->far, u);
+    }
+    uint32_t item = 0;
+    for (u -= far_chance(set, split, item); u >= 0 && item + 1 < set->far.count;) {
+        u -= far_chance(set, split, ++item);
+    }
+    return item;
 }
 
 // The chance of item `item` of the tables: a part is by power alone, whatever the point; the rest
 // looks at the point. tree_chance < 0: not known yet.
-static float chance_of(const LightSet *set, const LightReceiver *at, uint32_t item, double far,
-                       double tree_chance)
+static float chance_of(const LightSet *set, const LightReceiver *at, uint32_t item,
+                       const Split *split, double tree_chance)
 {
     double here;
     if (item < set->far.count) {
-        here = far * mixed_chance(&set->far, item);
+        here = split->far * far_chance(set, split, item);
     } else {
         if (tree_chance < 0) {
             tree_chance = light_tree_chance(&set->tree, at, item - set->far.count);
         }
-        here = (1 - far) * tree_chance;
+        here = (1 - split->far) * tree_chance;
     }
     double plain = (double)set->plain_part;
     return (float)(plain * mixed_chance(&set->by_power, item) + (1 - plain) * here);
@@ -482,23 +535,25 @@ uint32_t light_choose(const LightSet *set, const LightReceiver *at, double u, fl
         *chance = 1;
         return count ? set->chosen[0] : NONE_ID;
     }
-    double plain = (double)set->plain_part, far = far_part(set, at), tree_chance = -1;
+    const Split split = split_at(set, at);
+    double plain = (double)set->plain_part, tree_chance = -1;
     uint32_t item;
     if (u < plain) {
         item = choose_mixed(&set->by_power, u / plain);
     } else {
         u = (u - plain) / (1 - plain);
-        if (u < far) {
-            item = choose_mixed(&set->far, u / far);
+        if (u < split.far) {
+            item = choose_far(set, &split, u / split.far);
         } else {
-            item = light_tree_choose(&set->tree, at, (u - far) / (1 - far), &tree_chance);
+            item =
+                light_tree_choose(&set->tree, at, (u - split.far) / (1 - split.far), &tree_chance);
             if (item == NONE_ID) {
                 return NONE_ID;
             }
             item += set->far.count;
         }
     }
-    *chance = chance_of(set, at, item, far, tree_chance);
+    *chance = chance_of(set, at, item, &split, tree_chance);
     return set->chosen[item];
 }
 
@@ -508,5 +563,9 @@ float light_chance(const LightSet *set, const LightReceiver *at, uint32_t light)
     if (item == NONE_ID) {
         return 0;
     }
-    return set->by_power.count == 1 ? 1 : chance_of(set, at, item, far_part(set, at), -1);
+    if (set->by_power.count == 1) {
+        return 1;
+    }
+    const Split split = split_at(set, at);
+    return chance_of(set, at, item, &split, -1);
 }

@@ -16,7 +16,8 @@ typedef struct LightSet LightSet;
 
 // Where a light shines (Conty Estevez and Kulla 2018): its surface's normals lie within an angle
 // `normals` about `axis`, and from each point nothing is emitted farther than `emission` from the
-// normal there. `normals` = π: in all directions.
+// normal there. `normals` = π: in all directions. Of a light at infinity, which shines into one
+// direction: where it is seen, `normals` about the direction `axis` to it.
 typedef struct LightCone {
     Vec3 axis; // unit
     double normals, emission;

@@ -85,6 +85,7 @@ static bool prepare(const LightPrepare *prepare)
     }
     light->data = data;
     light->intensity = (double)luminance(params->perpendicular);
+    light->cone = (LightCone){data->frame.n, params->angle / 2, 0};
     double radius = world_radius(prepare->world);
     light->power = light->intensity * PI * radius * radius;
     return true;

@@ -70,6 +70,11 @@ static void put_everything(SceneMaker *maker, TestRandom *random, int rounds, bo
             {"angle", {0.1}});
         PUT(maker, "environment_light", {"radiance", {0.1}});
     }
+    for (int i = 0; far && rounds == 40 && i < 20; ++i) {
+        Vec3 d = on_sphere(random);
+        PUT(maker, "directional_light", {"direction", {d.x, d.y, d.z}},
+            {"irradiance", {uniform(random)}});
+    }
 }
 
 // Frequencies against chances, from one point.
@@ -245,6 +250,26 @@ static void thousands_of_lights_are_quiet(void **state)
     tear_down(&maker, world);
 }
 
+// A sun that the surface faces, a sun behind it, and dim surroundings.
+static void suns_are_weighed_by_their_height(void **state)
+{
+    (void)state;
+    SceneMaker maker;
+    maker_init(&maker);
+    PUT(&maker, "directional_light", {"direction", {0, -1, 0}}, {"irradiance", {2}});
+    PUT(&maker, "directional_light", {"direction", {0, 1, 0}}, {"irradiance", {20}});
+    PUT(&maker, "environment_light", {"radiance", {0.1}});
+    World *world = build(&maker);
+    LightReceiver at = {{0, 0, 0}, {0, 1, 0}};
+    assert_true(light_chance(world->lights, &at, 0) > 0.7f);
+    assert_true(light_chance(world->lights, &at, 1) < 0.1f);
+    at.normal = vec3(0, -1, 0);
+    assert_true(light_chance(world->lights, &at, 1) > 0.8f);
+    at.normal = vec3(0, 0, 0);
+    assert_true(light_chance(world->lights, &at, 1) > 0.7f);
+    tear_down(&maker, world);
+}
+
 static void few_lights_are_no_worse(void **state)
 {
     (void)state;
@@ -320,6 +345,7 @@ int main(void)
         cmocka_unit_test(chances_are_frequencies),
         cmocka_unit_test(no_shining_light_is_left_out),
         cmocka_unit_test(thousands_of_lights_are_quiet),
+        cmocka_unit_test(suns_are_weighed_by_their_height),
         cmocka_unit_test(few_lights_are_no_worse),
         cmocka_unit_test(odd_crowds_make_a_tree),
         cmocka_unit_test(one_light_is_certain),
