@@ -3,6 +3,7 @@
 #include "render/geometry.h"
 #include "render/shapes/mesh.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static bool box_is_finite(Box3 box)
@@ -251,55 +252,206 @@ static bool collect_kind(Collector *c, const AccelGroup *group, uint32_t prototy
     return array_push(&c->kinds, kind_make(c, class, type, ids, count, false));
 }
 
-// The box of a prototype's own bounded shapes.
-static Box3 shapes_box(Collector *c, const uint32_t *ids, uint32_t count)
+// A shape's box; empty for what can't be hit through a hierarchy.
+static Box3 bounded_box(const Scene *scene, const SceneNode *node, AccelIssues *issues)
+{
+    const ShapeHolding holding = shape_class(scene, node)->holding;
+    bool degenerate = false;
+    // Flat shapes are counted by collect_flats.
+    if (holding == HOLD_UNBOUNDED ||
+        (holding == HOLD_FLAT && (isnan(shortest_edge(scene, node, &degenerate)) || degenerate))) {
+        return box3_empty();
+    }
+    const Box3 box = accel_shape_box(scene, node);
+    if (box_is_finite(box)) {
+        return box;
+    }
+    const bool nothing = isinf(box.min.x) && isinf(box.max.x) && box.min.x > box.max.x;
+    issues->not_finite += !nothing;
+    return box3_empty();
+}
+
+static Box3 shapes_box(const Scene *scene, const uint32_t *ids, uint32_t count, AccelIssues *issues)
 {
     Box3 all = box3_empty();
     for (uint32_t i = 0; i < count; ++i) {
-        const SceneNode *node = scene_node(c->scene, CATEGORY_SHAPE, ids[i]);
-        const ShapeClass *class = shape_class(c->scene, node);
-        if (class->holding == HOLD_UNBOUNDED) {
-            continue;
-        }
-        Box3 box = accel_shape_box(c->scene, node);
-        if (box_is_finite(box)) {
+        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, ids[i]);
+        const Box3 box = bounded_box(scene, node, issues);
+        if (!box3_is_empty(box)) {
             all = box3_union(all, box);
-        } else if (!box3_is_empty(box) || !isinf(box.min.x)) {
-            c->accel->issues.not_finite += class->holding != HOLD_FLAT; // flats are counted apart
         }
     }
     return all;
 }
 
-static bool collect_group(Collector *c, uint32_t prototype, uint32_t *ids, uint32_t count)
+// --- Outliers -----------------------------------------------------------------------------------
+// A sun at its true distance would leave everything else to the last digits of single precision.
+// Where a group's shapes fall into two scales with nothing between, the smaller scale becomes a
+// pocket.
+
+enum {
+    EXPONENTS = 2100,
+    EXPONENT_ZERO = 1050,
+    LEAST_GAP = 8,
+    MOST_NESTED = 8,
+    MEDIAN_SAMPLES = 1023
+};
+
+static int compare_doubles(const void *a, const void *b)
 {
-    AccelGroup *group = &c->accel->groups[prototype];
-    uint32_t type_count = (uint32_t)c->scene->schema->type_count;
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+// About the median of the shapes' middles, by every so many of them.
+static Vec3 median_middle(const Scene *scene, const uint32_t *ids, uint32_t count)
+{
+    double values[3][MEDIAN_SAMPLES];
+    const uint32_t step = count / MEDIAN_SAMPLES + 1;
+    uint32_t n = 0;
+    AccelIssues ignored = {0, 0};
+    for (uint32_t i = 0; i < count; i += step) {
+        const Box3 box = bounded_box(scene, scene_node(scene, CATEGORY_SHAPE, ids[i]), &ignored);
+        if (!box3_is_empty(box)) {
+            const Vec3 middle = add(scale(box.min, 0.5), scale(box.max, 0.5));
+            values[0][n] = middle.x, values[1][n] = middle.y, values[2][n++] = middle.z;
+        }
+    }
+    if (n == 0) {
+        return vec3(0, 0, 0);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        qsort(values[axis], n, sizeof values[axis][0], compare_doubles);
+    }
+    return vec3(values[0][n / 2], values[1][n / 2], values[2][n / 2]);
+}
+
+// The exponent of a box's farthest coordinate from `middle`, as an index.
+static int reach_exponent(Box3 box, Vec3 middle)
+{
+    if (box3_is_empty(box)) {
+        return 0;
+    }
+    int exponent;
+    frexp(fmax(max_abs(sub(box.min, middle)), max_abs(sub(box.max, middle))), &exponent);
+    return exponent + EXPONENT_ZERO < 0            ? 0
+           : exponent + EXPONENT_ZERO >= EXPONENTS ? EXPONENTS - 1
+                                                   : exponent + EXPONENT_ZERO;
+}
+
+// Brings the shapes of the largest scale to the front and returns how many they are; `count` where
+// there is but one scale. *instances: whether the world's instances belong to the smaller scale.
+static uint32_t split_outliers(const Scene *scene, uint32_t *ids, uint32_t count,
+                               Box3 instances_box, bool *instances)
+{
+    const Vec3 middle = median_middle(scene, ids, count);
+    uint32_t histogram[EXPONENTS] = {0};
+    AccelIssues ignored = {0, 0};
+    for (uint32_t i = 0; i < count; ++i) {
+        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, ids[i]);
+        ++histogram[reach_exponent(bounded_box(scene, node, &ignored), middle)];
+    }
+    const int instance_exponent = reach_exponent(instances_box, middle);
+    histogram[instance_exponent] += !box3_is_empty(instances_box);
+    int top = EXPONENTS - 1, below;
+    while (top > 0 && histogram[top] == 0) {
+        --top;
+    }
+    // Downwards from each occupied exponent to the next, until they are far apart.
+    for (below = top;; top = below) {
+        do {
+            --below;
+        } while (below > 0 && histogram[below] == 0);
+        if (below <= 0) {
+            return count;
+        }
+        if (top - below >= LEAST_GAP) {
+            break;
+        }
+    }
+    *instances = instance_exponent <= below;
+    uint32_t outer = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t id = ids[i];
+        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, id);
+        if (reach_exponent(bounded_box(scene, node, &ignored), middle) > below) {
+            ids[i] = ids[outer];
+            ids[outer++] = id;
+        }
+    }
+    return outer;
+}
+
+// --- Collecting ---------------------------------------------------------------------------------
+
+static bool move_array(void **out, uint32_t *out_count, const void *items, size_t count,
+                       size_t size)
+{
+    *out = mem_alloc(count, size);
+    if (!*out) {
+        return false;
+    }
+    if (count) {
+        memcpy(*out, items, count * size);
+    }
+    *out_count = (uint32_t)count;
+    return true;
+}
+
+// The kinds of a group whose bounds are set; `inner` is a pocket that it has already, or 0.
+static bool collect_kinds(Collector *c, AccelGroup *group, uint32_t prototype, uint32_t *ids,
+                          uint32_t count, uint32_t inner)
+{
+    const uint32_t type_count = (uint32_t)c->scene->schema->type_count;
     sort_ids(c->scene, type_key, type_count, ids, count, c->type_starts, c->sorted);
     memcpy(ids, c->sorted, count * sizeof *ids);
     c->kinds.count = c->group_pockets.count = 0;
+    if (inner && !array_push(&c->group_pockets, inner)) {
+        return false;
+    }
     for (uint32_t type = 0; type < type_count; ++type) {
-        uint32_t begin = c->type_starts[type], end = c->type_starts[type + 1];
+        const uint32_t begin = c->type_starts[type], end = c->type_starts[type + 1];
         if (begin < end &&
             !collect_kind(c, group, prototype, (uint16_t)type, ids + begin, end - begin)) {
             return false;
         }
     }
-    group->kinds = mem_alloc(c->kinds.count, sizeof *group->kinds);
-    group->pockets = mem_alloc(c->group_pockets.count, sizeof *group->pockets);
-    if (!group->kinds || !group->pockets) {
-        return false;
+    return move_array((void **)&group->kinds, &group->kind_count, c->kinds.items, c->kinds.count,
+                      sizeof *group->kinds) &&
+           move_array((void **)&group->pockets, &group->pocket_count, c->group_pockets.items,
+                      c->group_pockets.count, sizeof *group->pockets);
+}
+
+// A group of shapes and, where `instances` isn't empty, of the world's instances.
+static bool collect_group(Collector *c, AccelGroup *group, uint32_t prototype, uint32_t *ids,
+                          uint32_t count, Box3 instances, int nested)
+{
+    // What isn't finite is counted once.
+    AccelIssues ignored = {0, 0}, *issues = nested ? &ignored : &c->accel->issues;
+    Box3 box = shapes_box(c->scene, ids, count, issues);
+    if (!box3_is_empty(instances)) {
+        box = box3_union(box, instances);
     }
-    group->kind_count = (uint32_t)c->kinds.count;
-    group->pocket_count = (uint32_t)c->group_pockets.count;
-    if (group->kind_count) {
-        memcpy(group->kinds, c->kinds.items, c->kinds.count * sizeof *group->kinds);
+    group_set_bounds(group, box);
+    bool inside = false;
+    const uint32_t outer =
+        nested < MOST_NESTED ? split_outliers(c->scene, ids, count, instances, &inside) : count;
+    uint32_t number = 0;
+    if (outer < count || inside) {
+        AccelGroup inner = {.accel = c->accel};
+        const bool ok = collect_group(c, &inner, prototype, ids + outer, count - outer,
+                                      inside ? instances : box3_empty(), nested + 1);
+        number = (uint32_t)(c->scene->prototypes.count + c->pockets.count);
+        if (!ok || !array_push(&c->pockets, inner)) {
+            mem_free(inner.kinds);
+            mem_free(inner.pockets);
+            return false;
+        }
     }
-    if (group->pocket_count) {
-        memcpy(group->pockets, c->group_pockets.items,
-               c->group_pockets.count * sizeof *group->pockets);
+    if (!inside && !box3_is_empty(instances)) {
+        group->instance_count = (uint32_t)c->scene->instances.count;
     }
-    return true;
+    return collect_kinds(c, group, prototype, ids, outer, number);
 }
 
 // Unbounded shapes of prototypes once for each instance.
@@ -375,15 +527,9 @@ static bool collect_all(Collector *c, uint32_t *starts)
     sort_ids(scene, prototype_key, prototypes, NULL, count, starts, accel->order);
     // The world last, since its box has those of the instances.
     for (uint32_t left = prototypes; left-- > 0;) {
-        AccelGroup *group = &accel->groups[left];
         uint32_t *ids = accel->order + starts[left], size = starts[left + 1] - starts[left];
-        Box3 box = shapes_box(c, ids, size);
-        if (left == 0) {
-            box = box3_union(box, instances_box(accel));
-            group->instance_count = (uint32_t)scene->instances.count;
-        }
-        group_set_bounds(group, box);
-        if (!collect_group(c, left, ids, size)) {
+        const Box3 instances = left == 0 ? instances_box(accel) : box3_empty();
+        if (!collect_group(c, &accel->groups[left], left, ids, size, instances, 0)) {
             return false;
         }
     }
@@ -410,6 +556,7 @@ bool accel_collect(Accel *accel)
     }
     for (size_t i = 0; i < c.pockets.count; ++i) {
         mem_free(c.pockets.items[i].kinds);
+        mem_free(c.pockets.items[i].pockets);
     }
     array_free(&c.pockets);
     array_free(&c.group_pockets);

@@ -2,10 +2,11 @@
 // hierarchies (accel_embree.c, nothing but Embree) and the surfaces at hits (accel_surface.c).
 //
 // A group is geometry that shares one space and one hierarchy: a prototype, the world being the
-// first, or a pocket: a mesh so small beside its prototype that single precision would show there.
-// Within a group Embree sees coordinates (p - center) / scale in [-1, 1], so that single precision
-// is as good at every size and place. Instances and pockets are primitives of one user geometry
-// each, through which the ray goes on in double precision: a million instances are one geometry.
+// first, or a pocket: a mesh so small beside its prototype that single precision would show there,
+// or all that is of a smaller scale than a few outliers (a sun at its distance). Within a group
+// Embree sees coordinates (p - center) / scale in [-1, 1], so that single precision is as good at
+// every size and place. Instances and pockets are primitives of one user geometry each, through
+// which the ray goes on in double precision: a million instances are one geometry.
 //
 // Single precision proposes, double precision decides. Embree holds every triangle a little larger
 // than it is (FLAT_GROWTH), so that a ray aimed at a vertex, where single precision would miss all
@@ -80,7 +81,7 @@ struct AccelGroup {
     uint32_t kind_count;     // then follow, where there are any, …
     uint32_t *pockets;       // … one geometry of the group's pockets: group numbers
     uint32_t pocket_count;   //
-    uint32_t instance_count; // … and one of the world's instances (in the world only)
+    uint32_t instance_count; // … and one of the world's instances: all of them, or none
     void *hierarchy;         // RTCScene; NULL: the group has no bounded geometry
 };
 

@@ -56,6 +56,22 @@ static void find_camera_media(World *world)
     }
 }
 
+// Geometry that can't be hit is left out, but not silently.
+static void report_issues(const Accel *accel, DiagSink *sink)
+{
+    const AccelIssues issues = accel_issues(accel);
+    if (issues.degenerate) {
+        diag_report(sink, W0801, (Span){0},
+                    "%llu shapes or triangles have no area where their transforms bring them",
+                    (unsigned long long)issues.degenerate);
+    }
+    if (issues.not_finite) {
+        diag_report(sink, W0802, (Span){0},
+                    "%llu shapes are not finite where their transforms bring them",
+                    (unsigned long long)issues.not_finite);
+    }
+}
+
 static bool build_parts(World *world, unsigned threads, DiagSink *sink)
 {
     const Scene *scene = world->scene;
@@ -69,6 +85,7 @@ static bool build_parts(World *world, unsigned threads, DiagSink *sink)
         return false;
     }
     find_camera_media(world);
+    report_issues(world->accel, sink);
     world->lights = light_set_build(world, &world->arena, sink);
     return world->lights != NULL;
 }

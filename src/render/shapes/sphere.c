@@ -44,8 +44,7 @@ static bool sphere_intersect(const void *params, const Ray *ray, ShapeHit *hit)
     if (!(discriminant >= 0)) {
         return false;
     }
-    double distance = length(f);
-    double c = (distance - s->radius) * (distance + s->radius);
+    double c = length_squared(f) - s->radius * s->radius;
     double q = b + copysign(sqrt(a * discriminant), b);
     double near = b > 0 ? c / q : q / a, far = b > 0 ? q / a : c / q;
     double t = near > ray->tmin ? near : far;
