@@ -39,7 +39,7 @@
 // Corners sharper than this sine of half their angle are moved less than that asks.
 #define FLAT_SHARPEST 0x1p-10
 // A doubtful hit lies beside the ray by no more than this.
-#define FLAT_DOUBT (2 * FLAT_GROWTH)
+#define FLAT_DOUBT 0x1p-21
 // A doubtful hit must be this far from both ends of the ray: a surface's neighbour, grown, stands
 // in the way of a ray that starts beside it.
 #define FLAT_CERTAIN (16 * FLAT_GROWTH)
@@ -51,9 +51,9 @@
 // How much boxes are grown: the float ray's distance from the true one.
 #define BOX_MARGIN 0x1p-21
 // A mesh smaller than this part of its group gets a pocket.
-#define POCKET_SIZE 0x1p-6
+#define POCKET_SIZE 0x1p-5
 // Flat shapes with an edge shorter than this part of their group are intersected in double.
-#define FLAT_SIZE 0x1p-14
+#define FLAT_SIZE 0x1p-10
 
 typedef struct AccelGroup AccelGroup;
 
