@@ -2,8 +2,8 @@
 #ifndef RENDER_MATERIALS_ROUGHNESS_H
 #define RENDER_MATERIALS_ROUGHNESS_H
 
-#include "render/material.h"
 #include "base/microfacet.h"
+#include "render/material.h"
 #include "render/texture.h"
 
 typedef struct Roughness {

@@ -86,6 +86,10 @@ static inline void bench_set(const Param *param, void *params, const char *text)
     case PARAM_NUMBER:
         *(double *)(void *)at = n[0];
         break;
+    case PARAM_PAIR:
+    case PARAM_VEC2:
+        *(Vec2 *)(void *)at = pair;
+        break;
     case PARAM_INT:
         *(int64_t *)(void *)at = (int64_t)n[0];
         break;
@@ -102,7 +106,10 @@ static inline void bench_set(const Param *param, void *params, const char *text)
         *(ColorTex *)(void *)at = (ColorTex){color, node};
         break;
     case PARAM_EMISSION:
-        *(Emission *)(void *)at = (Emission){color, DIM_NONE, node, true};
+        *(Emission *)(void *)at = (Emission){color, DIM_NONE, node, count == 1};
+        break;
+    case PARAM_FILE:
+        *(const char **)(void *)at = text;
         break;
     case PARAM_NODE:
         *(uint32_t *)(void *)at = node;
@@ -136,9 +143,8 @@ static inline void *bench_params(Bench *bench, const char *kind, const char *fie
         for (const char *at = fields; (at = strstr(at, param->name)); ++at) {
             size_t length = strlen(param->name);
             if ((at == fields || at[-1] == ' ') && at[length] == '=') {
-                char text[128];
-                snprintf(text, sizeof text, "%.*s", (int)strcspn(at + length + 1, " "),
-                         at + length + 1);
+                const char *from = at + length + 1;
+                char *text = arena_copy_string(&bench->arena, from, strcspn(from, " "));
                 bench_set(param, params, text);
                 set |= (uint64_t)1 << i;
             }

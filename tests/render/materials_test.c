@@ -1,5 +1,6 @@
-// Glass in scenes, against numbers that were derived on paper: slabs, stacks, overlapping bodies,
-// absorption, radiance within glass (reference checks 5 and 23).
+// Materials in scenes, against numbers that were derived on paper: glass in slabs, stacks,
+// overlapping bodies, absorption, radiance within glass (reference checks 5 and 23); cut-outs,
+// normal maps without leaks.
 #include "estimate.h"
 
 #include "base/mem.h"
@@ -278,6 +279,66 @@ static void strategies_agree(void)
     close_lab(&lab);
 }
 
+// Light falls through cut-outs onto a floor that is seen through another: what two masks leave.
+static void cut_outs(void)
+{
+    Lab lab;
+    open_lab(&lab);
+    uint32_t white = PUT(&lab.maker, "lambert", {"color", {0.8}});
+    uint32_t black = PUT(&lab.maker, "lambert", {"color", {0}});
+    uint32_t lace = PUT(&lab.maker, "mask", {"opacity", {0.3}}, {"base", {black}});
+    uint32_t both = PUT(&lab.maker, "two_sided", {"front", {lace}}, {"back", {lace}});
+    PUT(&lab.maker, "plane", {"material", {white}});
+    PUT(&lab.maker, "disc", {"center", {0, 1, 0}}, {"normal", {0, 1, 0}}, {"radius", {20}},
+        {"material", {lace}});
+    PUT(&lab.maker, "disc", {"center", {0, 1.5, 0}}, {"normal", {0, 1, 0}}, {"radius", {20}},
+        {"material", {both}});
+    PUT(&lab.maker, "point_light", {"position", {0, 2, 0}}, {"intensity", {1}});
+    Ray ray = ray_from(vec3(0, 5, 0), 30);
+    double x = 5 * tan(PI / 6), lit = 0.8 / PI * 2 / pow(4 + x * x, 1.5);
+    check_mean(&table, "light through two masks", pow(0.7, 4) * lit,
+               estimate(build(&lab, 1), single_ray, &ray, 1 << 10, 1), 2e-2);
+    close_lab(&lab);
+}
+
+// A floor with steep bumps, lit from below only, stays black; lit from all around by 1 it is never
+// brighter than 1.
+static double over_the_floor(const void *context, const float n[4], Ray *ray)
+{
+    (void)context;
+    double phi = 2 * PI * (double)n[0], z = (double)n[1], s = sqrt(1 - z * z);
+    *ray = (Ray){vec3(0, 0, 0), vec3(-s * cos(phi), -fmax(z, 1e-3), -s * sin(phi)), 0, INFINITY};
+    ray->origin = scale(ray->direction, -2);
+    return 1;
+}
+
+static void steep_normals(void)
+{
+    static const char *const BASES[] = {"lambert", "ggx"};
+    for (int i = 0; i < 2; ++i) {
+        Lab lab;
+        open_lab(&lab);
+        uint32_t base = i == 0 ? PUT(&lab.maker, "lambert", {"color", {1}})
+                               : PUT(&lab.maker, "ggx", {"f0", {1}}, {"alpha", {0.2}});
+        uint32_t steep = PUT(&lab.maker, "normal_map", {"base", {base}}, {"map", {0.95, 0.2, 0.6}});
+        PUT(&lab.maker, "disc", {"normal", {0, 1, 0}}, {"radius", {10}}, {"material", {steep}});
+        uint32_t lamp = PUT(&lab.maker, "emissive", {"radiance", {1}});
+        PUT(&lab.maker, "disc", {"center", {0, -1, 0}}, {"normal", {0, 1, 0}}, {"radius", {10}},
+            {"material", {lamp}});
+        PUT(&lab.maker, "point_light", {"position", {1, -0.5, 0}}, {"intensity", {1}});
+        Running dark = estimate(build(&lab, 3), over_the_floor, NULL, 1 << 10, 1);
+        PUT(&lab.maker, "environment_light", {"radiance", {1}});
+        Running bright = estimate(build(&lab, 3), over_the_floor, NULL, 1 << 10, 1);
+        printf("steep normals on %s: %g from below, %.4f from all around\n", BASES[i], dark.mean,
+               bright.mean);
+        if (dark.mean != 0 || bright.mean > 1 || bright.mean < 0.3) {
+            fprintf(stderr, "light leaks, or is made\n");
+            abort();
+        }
+        close_lab(&lab);
+    }
+}
+
 int main(void)
 {
     slabs();
@@ -288,5 +349,7 @@ int main(void)
     camera_in_glass(true);
     light_in_a_medium();
     strategies_agree();
+    cut_outs();
+    steep_normals();
     return check_judge(&table) ? EXIT_FAILURE : EXIT_SUCCESS;
 }
