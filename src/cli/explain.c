@@ -1,8 +1,10 @@
-// scnrender explain [NAME]: a kind, a category, a built-in function or a diagnostic's code.
+// scnrender explain [NAME]: a kind, a category, a built-in function, an integrator or a
+// diagnostic's code.
 #include "cli/commands.h"
 
 #include "base/diag.h"
 #include "lang/lang.h"
+#include "render/integrator.h"
 #include "render/render.h"
 #include "schema/manual.h"
 
@@ -38,13 +40,23 @@ static void explain_builtin(const BuiltinInfo *builtin)
     print_paragraph(builtin->doc);
 }
 
+static void explain_integrator(const IntegratorClass *integrator)
+{
+    printf("render { integrator: \"%s\" }\n", integrator->name);
+    print_paragraph(integrator->doc);
+}
+
 static void list_all(const Schema *schema)
 {
     puts("Kinds, by what they are:\n");
     for (int category = 0; category < CATEGORY_COUNT; ++category) {
         manual_write_category(schema, (Category)category, stdout, MANUAL_TEXT);
     }
-    fputs("\nFunctions:", stdout);
+    fputs("integrator:", stdout);
+    for (size_t i = 0; integrator_classes[i]; ++i) {
+        printf(" %s", integrator_classes[i]->name);
+    }
+    fputs("\n\nFunctions:", stdout);
     int at = 10;
     for (size_t i = 0; i < lang_builtin_count; ++i) {
         int length = (int)strlen(lang_builtins[i].name) + 1;
@@ -81,11 +93,13 @@ static bool try_unit(const char *name)
     return unit != NULL;
 }
 
-static bool try_builtin(const char *name)
+// `again`: an entry of that name stands above.
+static bool try_builtin(const char *name, bool again)
 {
     bool found = false;
     for (size_t i = 0; i < lang_builtin_count; ++i) {
         if (strcmp(lang_builtins[i].name, name) == 0) {
+            fputs(again ? "\n" : "", stdout);
             explain_builtin(&lang_builtins[i]);
             found = true;
         }
@@ -93,17 +107,36 @@ static bool try_builtin(const char *name)
     return found;
 }
 
+static bool try_integrator(const char *name)
+{
+    for (size_t i = 0; integrator_classes[i]; ++i) {
+        if (strcmp(integrator_classes[i]->name, name) == 0) {
+            explain_integrator(integrator_classes[i]);
+            return true;
+        }
+    }
+    return false;
+}
+
+// Takes `other` for the nearest name so far if it is nearer.
+static void consider(const char *name, const char *other, const char **near, size_t *nearest)
+{
+    size_t distance = str_distance(str_from(name), str_from(other), *nearest);
+    if (distance < *nearest && distance < strlen(name)) {
+        *nearest = distance;
+        *near = other;
+    }
+}
+
 static const char *nearest_entry(const Schema *schema, const char *name)
 {
     const char *near = schema_suggest_type(schema, str_from(name), CATEGORY_COUNT);
     size_t nearest = near ? str_distance(str_from(name), str_from(near), 3) : 3;
     for (size_t i = 0; i < lang_builtin_count; ++i) {
-        const char *other = lang_builtins[i].name;
-        size_t distance = str_distance(str_from(name), str_from(other), nearest);
-        if (distance < nearest && distance < strlen(name)) {
-            nearest = distance;
-            near = other;
-        }
+        consider(name, lang_builtins[i].name, &near, &nearest);
+    }
+    for (size_t i = 0; integrator_classes[i]; ++i) {
+        consider(name, integrator_classes[i]->name, &near, &nearest);
     }
     return near;
 }
@@ -126,7 +159,8 @@ int command_explain(const Options *options)
     if (found) {
         manual_write_kind(schema->types[kind], stdout, MANUAL_TEXT);
     }
-    found |= try_builtin(name);
+    found |= try_builtin(name, found);
+    found |= try_integrator(name);
     if (found || try_category(schema, name) || try_unit(name)) {
         return EXIT_OK;
     }

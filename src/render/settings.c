@@ -128,7 +128,9 @@ static const Param render_params[] = {
      PARAM_AT(RenderParams, integrator),
      .choices = integrators,
      .default_text = "\"path\"",
-     .doc = "what finds the light along a ray"},
+     .doc =
+         "what finds the light along a ray: each is explained by `scnrender explain NAME` and in "
+         "the manual's chapter on integrators"},
     {.name = "samples",
      .type = PARAM_INT,
      PARAM_AT(RenderParams, samples),

@@ -1,0 +1,32 @@
+# Whatever has a name in the manual has an entry of its own.
+. "$SOURCE_DIR/tests/cli/support.sh"
+run reference
+expect_code 0
+cp out manual
+sed -n '/^## Integrators/,/^## Units/s/^| `"\([a-z_]*\)"`.*/\1/p' manual >integrators
+[ "$(wc -l <integrators)" -ge 8 ] || fail "the integrators can't be listed"
+for name in $(cat integrators); do
+    run explain "$name"
+    expect_code 0
+    expect_text out "integrator: \"$name\""
+done
+sed -n '/^## Functions/,/^## Limits/s/^| `\([a-z_0-9]*\)(.*/\1/p' manual >functions
+[ "$(wc -l <functions)" -ge 60 ] || fail "the functions can't be listed"
+for name in $(cat functions); do
+    run explain "$name"
+    expect_code 0
+    expect_text out "$name("
+done
+for name in $(sed -n 's/^### `\([a-z_]*\)`$/\1/p' manual); do
+    run explain "$name"
+    expect_code 0
+    expect_text out "$name: a"
+done
+# Both where a kind and a function share a name; the nearest where there is none.
+run explain phong
+expect_text out "phong: a material"
+expect_text out "phong(n, v, l, e, k)"
+run explain norml
+expect_code 2
+expect_text err "did you mean \`normals\`"
+finish
