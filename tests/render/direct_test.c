@@ -37,7 +37,7 @@ static void put_few(SceneMaker *m)
     put_lamp(m, 1, 3, 2, 0.4, 12);
     PUT(m, "point_light", {"position", {-3, 3, 1}}, {"intensity", {6}},
         {"attenuation", {PUT_DEFAULT(m, "inverse_square")}});
-    PUT(m, "environment_light", {"color", {0.3}});
+    PUT(m, "environment_light", {"color", {0.3, 0.3, 0.3}});
 }
 
 // A glowing rectangle, a box of glowing material, and a sun.
@@ -68,7 +68,7 @@ static void compare(const char *name, void (*put_lights)(SceneMaker *), uint32_t
         const char *name;
         uint32_t more;
         double wanted;
-    } SAMPLINGS[] = {{"mis", 1, 0.03}, {"light", 4, 0.05}, {"bsdf", 16, 0.06}};
+    } SAMPLINGS[] = {{"mis", 1, 0.03}, {"light", 4, 0.05}, {"bsdf", 16, 0.08}};
     SceneMaker maker;
     char text[64];
     maker_init(&maker);

@@ -4,7 +4,7 @@
 #include "estimate.h"
 
 #include "base/mem.h"
-#include "render/fresnel.h"
+#include "base/fresnel.h"
 
 typedef struct Lab {
     SceneMaker maker;

@@ -1,5 +1,5 @@
 // Glass, water, plastics, smooth or rough: reflection and refraction at once.
-#include "render/fresnel.h"
+#include "base/fresnel.h"
 #include "render/materials/roughness.h"
 #include "render/world.h"
 

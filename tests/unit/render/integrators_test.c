@@ -315,6 +315,78 @@ static void pane_of_tinted_glass(void **state)
               through[2], 1e-4);
 }
 
+// A glass ball in front of an evenly bright sky is invisible, but for what is cut off.
+static void glass_ball_in_the_sky(void **state)
+{
+    Lab *lab = *state;
+    SceneMaker *m = &lab->maker;
+    PUT(m, "sphere", {"material", {PUT(m, "fresnel", {"ior", {1.5}})}});
+    PUT(m, "environment_light", {"color", {1, 1, 1}});
+    World *world = build(lab);
+    for (int i = 0; i < 99; ++i) {
+        Rgb found = seen(world, "direct", vec3(0, 0, 5), vec3(0, 0.01 * i, 0), 0);
+        check_rgb(found, 1, 1, 1, 1e-3);
+        assert_true(found.g <= 1 + 1e-6f);
+    }
+}
+
+// --- Cut-outs ------------------------------------------------------------------------------------
+
+// A curtain that lets through a quarter of the light, before a wall, both lit from the viewer's
+// side: what is seen, and what is lit, through it.
+static void cut_outs(void **state)
+{
+    Lab *lab = *state;
+    SceneMaker *m = &lab->maker;
+    uint32_t white = PUT(m, "lambert", {"color", {0.5}});
+    uint32_t curtain = PUT(m, "mask", {"opacity", {0.75}}, {"base", {white}});
+    PUT(m, "plane", {"normal", {0, 0, 1}}, {"material", {white}});
+    PUT(m, "rectangle", {"corner", {-9, -9, 1}}, {"u", {18, 0, 0}}, {"v", {0, 18, 0}},
+        {"material", {curtain}});
+    PUT(m, "directional_light", {"direction", {0, 0, -1}}, {"irradiance", {2}});
+    World *world = build(lab);
+    Vec3 eye = {0, 0, 5}, to = {0, 0, 0};
+    double slide = 0.75 * 0.5 * 2 + 0.25 * 0.5 * 2 * 0.25, brdf = slide / PI;
+    check_rgb(seen(world, "local", eye, to, 0), slide, slide, slide, 1e-6);
+    check_rgb(seen(world, "direct", eye, to, 0), brdf, brdf, brdf, 1e-6);
+    world->shadows = false;
+    double all = 0.75 * 0.5 * 2 + 0.25 * 0.5 * 2;
+    check_rgb(seen(world, "local", eye, to, 0), all, all, all, 1e-6);
+    // Views stop at what is more there than not; and crossing is no bounce.
+    Vec3 behind = {0, 0, 0.5};
+    Rgb wall = seen(world, "object_id", behind, to, 0);
+    assert_false(seen(world, "object_id", eye, to, 0).r == wall.r);
+    world->bounces = 1;
+    check_rgb(seen(world, "direct", eye, to, 0), brdf, brdf, brdf, 1e-6);
+}
+
+static void views_look_through_cut_outs(void **state)
+{
+    Lab *lab = *state;
+    SceneMaker *m = &lab->maker;
+    uint32_t white = PUT(m, "lambert", {"color", {0.5}});
+    uint32_t curtain = PUT(m, "mask", {"opacity", {0.25}}, {"base", {white}});
+    PUT(m, "plane", {"normal", {0, 0, 1}}, {"material", {white}});
+    for (int i = 1; i <= 3; ++i) {
+        PUT(m, "rectangle", {"corner", {-9, -9, i}}, {"u", {18, 0, 0}}, {"v", {0, 18, 0}},
+            {"material", {curtain}});
+    }
+    World *world = build(lab);
+    Rgb wall = seen(world, "object_id", vec3(0, 0, 0.5), vec3(0, 0, 0), 0);
+    Rgb far = seen(world, "object_id", vec3(0, 0, 5), vec3(0, 0, 0), 0);
+    assert_true(wall.r == far.r && wall.g == far.g && wall.b == far.b);
+    // The box of bounded shapes reaches from z = 1 to 3; without a camera depths are distances.
+    world->near = 0;
+    world->far = 10;
+    check_rgb(seen(world, "depth", vec3(0, 0, 5), vec3(0, 0, 0), 0), 0.55, 0.55, 0.55, 1e-6);
+    // The sky through all three, for one ray; those that pass beside the curtains see more of it.
+    float least = 1;
+    for (uint32_t i = 0; i < 64; ++i) {
+        least = fminf(least, seen(world, "ambient_occlusion", vec3(0, 0, 0.5), vec3(0, 0, 0), i).g);
+    }
+    assert_true(least == 0.421875f); // 0.75³
+}
+
 // --- Ambient occlusion ---------------------------------------------------------------------------
 
 static double mean_openness(const World *world, Vec3 from, Vec3 to, uint32_t samples)
@@ -421,6 +493,9 @@ int main(void)
         WITH_LAB(mirror_corridor),
         WITH_LAB(pane_of_glass),
         WITH_LAB(pane_of_tinted_glass),
+        WITH_LAB(glass_ball_in_the_sky),
+        WITH_LAB(cut_outs),
+        WITH_LAB(views_look_through_cut_outs),
         WITH_LAB(occlusion),
         WITH_LAB(views),
         WITH_LAB(depth_without_bounds),

@@ -136,6 +136,12 @@ static void deltas_are_what_is_sampled(void **state)
     check_deltas("emissive", bench_material(&bench, "emissive", text), 2);
     check_deltas("emissive alone", bench_material(&bench, "emissive", "radiance=1"), 0);
 
+    snprintf(text, sizeof text, "opacity=0.3 base=#%u", nested);
+    check_deltas("mask", bench_material(&bench, "mask", text), 2);
+    snprintf(text, sizeof text, "front=#%u back=#%u", mirror, lambert);
+    check_deltas("two_sided", bench_material(&bench, "two_sided", text), 1);
+    check_deltas("glass", bench_material(&bench, "fresnel", "ior=1.5"), 2);
+
     // Too little room is said, not overrun.
     ShadingPoint point = bench_point(&bench, vec3(0, 0, 1));
     BsdfSample one[1];
