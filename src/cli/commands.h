@@ -8,9 +8,11 @@ int command_render(const Options *options);
 int command_check(const Options *options);
 int command_lights(const Options *options);
 int command_params(const Options *options);
+int command_fmt(const Options *options);
 int command_explain(const Options *options);
 int command_reference(const Options *options);
 int command_help(const Options *options);
+int command_completion(const Options *options);
 int command_version(const Options *options);
 
 #endif

@@ -187,16 +187,16 @@ static bool memory_ran_out(const DiagSink *sink)
     return out;
 }
 
-int loading_report(Loading *loading)
+int report_diagnostics(const Options *options, const DiagSink *sink, Sources *sources)
 {
-    DiagSink shown = loading->lang.sink;
-    if (loading->options->quiet && !keep_errors(&shown)) {
+    DiagSink shown = *sink;
+    if (options->quiet && !keep_errors(&shown)) {
         return no_memory();
     }
-    if (loading->options->json) {
-        diag_write_json(&shown, &loading->lang.sources, stderr);
+    if (options->json) {
+        diag_write_json(&shown, sources, stderr);
     } else {
-        diag_write_text(&shown, &loading->lang.sources, stderr, color_of_errors());
+        diag_write_text(&shown, sources, stderr, color_of_errors());
         write_summary(&shown);
     }
     fflush(stderr);
@@ -204,4 +204,9 @@ int loading_report(Loading *loading)
         return shown.count > 0 ? EXIT_NO_MEMORY : no_memory();
     }
     return shown.errors > 0 ? EXIT_DIAGNOSTICS : EXIT_OK;
+}
+
+int loading_report(Loading *loading)
+{
+    return report_diagnostics(loading->options, &loading->lang.sink, &loading->lang.sources);
 }

@@ -27,6 +27,8 @@ bool loading_evaluate(Loading *loading);
 // Writes the diagnostics to standard error, in the form that was asked for, and says how many.
 // EXIT_OK, EXIT_DIAGNOSTICS if there was an error, or EXIT_NO_MEMORY.
 int loading_report(Loading *loading);
+// The same for the diagnostics of any sink.
+int report_diagnostics(const Options *options, const DiagSink *sink, Sources *sources);
 void loading_free(Loading *loading);
 
 // A message of the program itself on standard error, "scnrender: …"; returns `code`.

@@ -38,12 +38,16 @@ static int run(const Options *options)
         return command_lights(options);
     case COMMAND_PARAMS:
         return command_params(options);
+    case COMMAND_FMT:
+        return command_fmt(options);
     case COMMAND_EXPLAIN:
         return command_explain(options);
     case COMMAND_REFERENCE:
         return command_reference(options);
     case COMMAND_HELP:
         return command_help(options);
+    case COMMAND_COMPLETION:
+        return command_completion(options);
     case COMMAND_VERSION:
         return command_version(options);
     case COMMAND_COUNT:

@@ -294,6 +294,12 @@ static bool take(Parser *parser, OptionId id, const char *text)
     case OPTION_QUIET:
         options->quiet = true;
         return true;
+    case OPTION_CHECK:
+        options->check = true;
+        return true;
+    case OPTION_DIFF:
+        options->diff = true;
+        return true;
     case OPTION_HELP:
         parser->help = true;
         return true;
@@ -429,6 +435,8 @@ static bool choose_command(Parser *parser, Words *words)
         return wrong(parser, "one operand too many: `%s`", words->operands[info->most]);
     }
     options->operand = words->count > 0 ? words->operands[0] : NULL;
+    options->operands = words->operands;
+    options->operand_count = (size_t)words->count;
     for (int id = 0; id < OPTION_COUNT; ++id) {
         if (words->given & 1u << id && !(option_infos[id].commands & 1u << options->command)) {
             return wrong(parser, "`%s` doesn't take `--%s`", info->name, option_infos[id].name);

@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "lang/lang.h"
 
+#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -37,7 +38,9 @@ typedef enum Dump { DUMP_NOTHING, DUMP_TOKENS, DUMP_AST, DUMP_SCENE } Dump;
 typedef struct Options {
     Arena arena; // lists below
     Command command;
-    const char *operand; // or NULL
+    const char *operand; // the first, or NULL
+    const char *const *operands;
+    size_t operand_count;
     const char *output, *camera;
     int64_t samples, seed; // 0, -1: the scene's
     int width, height;     // 0: the scene's
@@ -45,6 +48,7 @@ typedef struct Options {
     int bits;              // 0: the type's
     Dump dump;
     bool json, quiet, has_at;
+    bool check, diff; // of fmt
     Vec3 at;                 // --at
     const char *const *aovs; // names
     size_t aov_count;

@@ -2,7 +2,8 @@
 last="cmake --install"
 DESTDIR='' cmake --install "$BUILD_DIR" --prefix "$work/prefix" >out 2>err || { fail "it can't be installed"; cat err >&2; }
 unset SCNRENDER_MODULES
-for file in bin/scnrender share/man/man1/scnrender.1 share/scnrender/examples/first_light.scn; do
+for file in bin/scnrender share/bash-completion/completions/scnrender \
+    share/zsh/site-functions/_scnrender share/fish/vendor_completions.d/scnrender.fish share/man/man1/scnrender.1 share/scnrender/examples/first_light.scn; do
     [ -f "prefix/$file" ] || fail "no $file"
 done
 cp prefix/share/scnrender/examples/first_light.scn .
