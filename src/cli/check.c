@@ -10,6 +10,7 @@ int command_check(const Options *options)
     if (code == EXIT_OK) {
         if (loading_evaluate(&loading)) {
             light_note_laws(&loading.scene, &loading.lang.sink);
+            light_warn_enclosed(&loading.scene, &loading.lang.sink);
         }
         code = loading_report(&loading);
     }

@@ -5,7 +5,7 @@
 #include "render/materials/lambert.h"
 #include "render/render.h"
 
-static bool resolve_materials(World *world)
+bool world_resolve_materials(World *world)
 {
     const Scene *scene = world->scene;
     size_t count = scene->nodes[CATEGORY_MATERIAL].count;
@@ -80,7 +80,7 @@ static bool build_parts(World *world, unsigned threads, DiagSink *sink)
         return false;
     }
     world->accel = accel_build(scene, threads);
-    if (!world->accel || !resolve_materials(world)) {
+    if (!world->accel || !world_resolve_materials(world)) {
         diag_report(sink, E0001, (Span){0}, "no memory to make the scene ready for rendering");
         return false;
     }
