@@ -48,7 +48,7 @@ typedef struct Options {
     int bits;              // 0: the type's
     Dump dump;
     bool json, quiet, has_at;
-    bool check, diff; // of fmt
+    bool check, diff;        // of fmt
     Vec3 at;                 // --at
     const char *const *aovs; // names
     size_t aov_count;

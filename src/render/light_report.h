@@ -16,9 +16,9 @@ double light_irradiance(const World *world, const Light *light, Vec3 p);
 bool light_is_natural(const Scene *scene, const Light *light);
 // Reports a note (N0901) on each light of the scene whose law of distance is not.
 void light_note_laws(const Scene *scene, DiagSink *sink);
-// Reports a warning (W0902) on each light with a position that lies inside a closed opaque shape, where
-// it lights nothing. Shapes of instances are not looked at, and no more than 2^25 pairs of a light and a
-// shape.
+// Reports a warning (W0902) on each light with a position that lies inside a closed opaque shape,
+// where it lights nothing. Shapes of instances are not looked at, and no more than 2^25 pairs of a
+// light and a shape.
 void light_warn_enclosed(const Scene *scene, DiagSink *sink);
 
 #endif

@@ -46,8 +46,8 @@ static inline const WorldMaterial *world_material(const World *world, uint32_t i
 // lives. NULL after a report to `sink`: a texture that can't be read, no memory, …
 World *world_build(const Scene *scene, unsigned threads, DiagSink *sink);
 void world_free(World *world);
-// A part of world_build: fills `materials` of a world of which only `scene` is set, for questions that
-// need no rays; world_free gives it back. False when memory runs out.
+// A part of world_build: fills `materials` of a world of which only `scene` is set, for questions
+// that need no rays; world_free gives it back. False when memory runs out.
 bool world_resolve_materials(World *world);
 // Sets camera, near and far; the camera must outlive the world.
 void world_set_camera(World *world, const Camera *camera);

@@ -3,8 +3,8 @@
 // normal maps without leaks.
 #include "estimate.h"
 
-#include "base/mem.h"
 #include "base/fresnel.h"
+#include "base/mem.h"
 
 typedef struct Lab {
     SceneMaker maker;

@@ -1,7 +1,7 @@
 // fresnel: smooth and rough, against Snell, Fresnel and Walter et al., and its parts against each
 // other.
-#include "bsdf_check.h"
 #include "base/fresnel.h"
+#include "bsdf_check.h"
 
 static Bench bench;
 

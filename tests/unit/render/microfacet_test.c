@@ -104,8 +104,8 @@ static void normalisations(void **state)
         for (double theta = 0; theta < 90; theta += 29) {
             Lobe lobe = {SURFACES[i], direction(theta, 20)};
             assert_near(integrate(projected, &lobe, 1e-10), 1, 1e-6);
-            // The densities have edges (a kink where wo leaves a facet's front, a jump where h leaves
-            // the hemisphere), which cost the quadrature digits.
+            // The densities have edges (a kink where wo leaves a facet's front, a jump where h
+            // leaves the hemisphere), which cost the quadrature digits.
             assert_near(integrate(visible, &lobe, 1e-10), 1, 2e-5);
             assert_near(integrate(weak_furnace, &lobe, 1e-10), 1, 3e-4);
         }
