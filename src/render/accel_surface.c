@@ -67,10 +67,9 @@ void flat_ray_prepare(const Scene *scene, uint32_t transform, const Ray *ray, Fl
     out->longest = x ? 0 : y ? 1 : 2;
     out->next[0] = x ? 1 : y ? 2 : 0;
     out->next[1] = x ? 2 : y ? 0 : 1;
-    for (int i = 0; i < 2; ++i) {
-        out->slope[i] =
-            vec3_get(out->ray.direction, out->next[i]) / vec3_get(out->ray.direction, out->longest);
-    }
+    const double inverse = 1 / vec3_get(out->ray.direction, out->longest);
+    out->slope[0] = vec3_get(out->ray.direction, out->next[0]) * inverse;
+    out->slope[1] = vec3_get(out->ray.direction, out->next[1]) * inverse;
 }
 
 // Flat shapes reach a few roundings beyond their edges, so that a ray at the common edge of two of

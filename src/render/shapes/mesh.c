@@ -165,10 +165,10 @@ static void mesh_point_at(const Mesh *mesh, uint32_t triangle, double u, double 
 {
     Corners c = mesh_corners(mesh, triangle, u, v);
     Vec3 normal = cross(c.u, c.v);
-    double area = length(normal), lu = length(c.u), lv = length(c.v);
-    normal = scale(normal, 1 / area);
+    double lu = length(c.u), lv = length(c.v), inverse_area = 1 / length(normal);
+    normal = scale(normal, inverse_area);
     // The normal of a thin triangle is uncertain by the rounding of its cross product.
-    double size = max_abs(c.a) + max_abs(mesh->origin) + (lu + lv) * (lu * lv / area);
+    double size = max_abs(c.a) + max_abs(mesh->origin) + (lu + lv) * (lu * lv * inverse_area);
     *out = (ShapePoint){.p = add_scaled(add_scaled(c.a, c.u, u), c.v, v),
                         .geometric = normal,
                         .shading = normal,

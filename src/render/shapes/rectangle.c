@@ -160,7 +160,7 @@ static void rectangle_sample_area(const Scene *scene, const void *params, const 
 // arc tangent replaces four arc cosines.
 typedef struct SphericalRectangle {
     double x0, y0, x1, y1, z0;
-    double b0, b1, cos_k, sin_k;
+    double b0, b1, rest0, cos_k, sin_k; // rest0 = 1 - b0²
     double solid_angle;
 } SphericalRectangle;
 
@@ -171,23 +171,6 @@ typedef struct Turn { // by an angle: the complex number of size 1
 static Turn turn_add(Turn a, Turn b)
 {
     return (Turn){a.cosine * b.cosine - a.sine * b.sine, a.sine * b.cosine + a.cosine * b.sine};
-}
-
-// A plane through the reference and an edge: the z component of its normal, n, and 1 - n².
-typedef struct EdgePlane {
-    double n, rest;
-} EdgePlane;
-
-static EdgePlane edge_plane(double offset, double z0)
-{
-    const double inverse = 1 / sqrt(offset * offset + z0 * z0), cosine = z0 * inverse;
-    return (EdgePlane){offset * inverse, cosine * cosine};
-}
-
-// The inner angle between the planes of two neighbouring edges: acos(-a b), in (0, π).
-static Turn inner_angle(EdgePlane a, EdgePlane b)
-{
-    return (Turn){-a.n * b.n, sqrt(a.rest + a.n * a.n * b.rest)};
 }
 
 // The angle in [0, 2π), as far as it is known to be that of a solid angle.
@@ -214,12 +197,25 @@ static bool spherical_rectangle(const RectangleTable *table, Vec3 reference,
     if (!table->perpendicular || !(z0 < -1e-9 * (fabs(x0) + fabs(y0) + table->lu + table->lv))) {
         return false;
     }
-    const EdgePlane n0 = edge_plane(-y0, z0), n1 = edge_plane(x1, z0);
-    const EdgePlane n2 = edge_plane(y1, z0), n3 = edge_plane(-x0, z0);
+    // The z components n of the normals of the planes through the reference and the edges, and
+    // 1 - n²; then the inner angles acos(-n n') between neighbours. Square roots in step, which
+    // processors take two or four at a time.
+    const double offset[4] = {-y0, x1, y1, -x0};
+    double n[4], rest[4];
+    for (int i = 0; i < 4; ++i) {
+        const double inverse = 1 / sqrt(offset[i] * offset[i] + z0 * z0), cosine = z0 * inverse;
+        n[i] = offset[i] * inverse;
+        rest[i] = cosine * cosine;
+    }
+    Turn g[4];
+    for (int i = 0; i < 4; ++i) {
+        const int next = (i + 1) & 3;
+        g[i].cosine = -n[i] * n[next];
+        g[i].sine = sqrt(rest[i] + n[i] * n[i] * rest[next]);
+    }
     // k = 2π - g2 - g3, and the solid angle is g0 + g1 + g2 + g3 - 2π.
-    const Turn g23 = turn_add(inner_angle(n2, n3), inner_angle(n3, n0));
-    const Turn all = turn_add(turn_add(inner_angle(n0, n1), inner_angle(n1, n2)), g23);
-    *out = (SphericalRectangle){x0, y0, x1, y1, z0, n0.n, n2.n, g23.cosine, -g23.sine, 0};
+    const Turn g23 = turn_add(g[2], g[3]), all = turn_add(turn_add(g[0], g[1]), g23);
+    *out = (SphericalRectangle){x0, y0, x1, y1, z0, n[0], n[2], rest[0], g23.cosine, -g23.sine, 0};
     out->solid_angle = solid_angle_of(all, out);
     return out->solid_angle > FLAT_LEAST_SOLID_ANGLE;
 }
@@ -240,10 +236,10 @@ static bool rectangle_sample_solid_angle(const void *params, const Affine *to_wo
     }
     const double angle = u0 * q.solid_angle;
     const Turn at = turn_add((Turn){q.cos_k, q.sin_k}, (Turn){cos(angle), sin(angle)});
-    double f = (at.cosine * q.b0 - q.b1) / at.sine;
-    double cu = copysign(1 / sqrt(f * f + q.b0 * q.b0), f);
-    cu = smaller(larger(cu, -1), 1);
-    double x = -(cu * q.z0) / larger(sqrt(1 - cu * cu), 1e-300);
+    // The paper's f is `over` / at.sine, and x = -cu z0 / sqrt(1 - cu²), cu = ±1 / sqrt(f² + b0²).
+    const double over = at.cosine * q.b0 - q.b1;
+    const double under = larger(over * over - q.rest0 * at.sine * at.sine, 1e-300);
+    double x = -q.z0 * copysign(at.sine, over * at.sine) / sqrt(under);
     x = smaller(larger(x, q.x0), q.x1);
     double d2 = x * x + q.z0 * q.z0;
     double h0 = q.y0 / sqrt(d2 + q.y0 * q.y0), h1 = q.y1 / sqrt(d2 + q.y1 * q.y1);
