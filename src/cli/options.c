@@ -10,6 +10,7 @@
 
 #define ON(command) (1u << COMMAND_##command)
 #define ON_ALL      (~0u)
+#define ON_SCENES   (ON(RENDER) | ON(CHECK) | ON(LIGHTS) | ON(PARAMS) | ON(EXPORT))
 
 const CommandInfo command_infos[COMMAND_COUNT] = {
 #define COMMAND(id, name, operand, fewest, most, text)                                             \
@@ -242,6 +243,25 @@ static bool take_word(const Parser *parser, OptionId id, const char *text, const
     return wrong(parser, "`--%s` takes %s, not `%s`", option_infos[id].name, listed, text);
 }
 
+static const char *target_name(size_t i)
+{
+    return export_targets[i].name;
+}
+
+static bool take_target(const Parser *parser, OptionId id, const char *text)
+{
+    parser->options->target = export_target_find(text);
+    if (parser->options->target) {
+        return true;
+    }
+    const char *near = nearest_name(text, target_name);
+    if (near) {
+        return wrong(parser, "`--%s` doesn't know `%s`; did you mean `%s`?", option_infos[id].name,
+                     text, near);
+    }
+    return wrong(parser, "`--%s` takes povray or json, not `%s`", option_infos[id].name, text);
+}
+
 static bool take(Parser *parser, OptionId id, const char *text)
 {
     static const char *const stages[] = {"tokens", "ast", "scene", NULL};
@@ -276,6 +296,9 @@ static bool take(Parser *parser, OptionId id, const char *text)
         good = take_word(parser, id, text, depths, "8, 16 or 32", &word);
         options->bits = 8 << word;
         return good;
+    case OPTION_TO:
+    case OPTION_FOR:
+        return take_target(parser, id, text);
     case OPTION_DUMP:
         good = take_word(parser, id, text, stages, "tokens, ast or scene", &word);
         options->dump = (Dump)(DUMP_TOKENS + word);
@@ -441,6 +464,9 @@ static bool choose_command(Parser *parser, Words *words)
         if (words->given & 1u << id && !(option_infos[id].commands & 1u << options->command)) {
             return wrong(parser, "`%s` doesn't take `--%s`", info->name, option_infos[id].name);
         }
+    }
+    if (options->command == COMMAND_EXPORT && !options->target) {
+        return wrong(parser, "`export` wants `--to povray` or `--to json`");
     }
     return true;
 }

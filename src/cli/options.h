@@ -4,6 +4,7 @@
 
 #include "base/arena.h"
 #include "base/vec.h"
+#include "export/export.h"
 #include "lang/lang.h"
 
 #include <limits.h>
@@ -48,9 +49,10 @@ typedef struct Options {
     int bits;              // 0: the type's
     Dump dump;
     bool json, quiet, has_at;
-    bool check, diff;        // of fmt
-    Vec3 at;                 // --at
-    const char *const *aovs; // names
+    bool check, diff;           // of fmt
+    Vec3 at;                    // --at
+    const ExportTarget *target; // --to, --for; or NULL
+    const char *const *aovs;    // names
     size_t aov_count;
     const ParamSetting *settings;
     size_t setting_count;

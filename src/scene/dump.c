@@ -8,6 +8,7 @@ typedef struct Dump {
     const Scene *scene;
     Sources *sources;
     FILE *out;
+    bool mesh_data;
 } Dump;
 
 static void write_id(FILE *out, uint32_t id)
@@ -273,6 +274,9 @@ static void write_node(const Dump *dump, Category category, uint32_t id)
     if (common & COMMON_TRANSFORM) {
         write_transform(dump, node->transform);
     }
+    if (type->mesh) {
+        write_reference(dump->out, "mesh", type->mesh(scene_params(dump->scene, node)));
+    }
     write_fields(dump->out, type, scene_params(dump->scene, node));
     write_place(dump, node->at);
     fputc('}', dump->out);
@@ -299,6 +303,37 @@ static void write_instance(const Dump *dump, uint32_t id)
     fputc('}', dump->out);
 }
 
+static void write_floats(FILE *out, const char *key, const float *values, size_t count)
+{
+    fprintf(out, ",\n  \"%s\": ", key);
+    if (!values) {
+        fputs("null", out);
+        return;
+    }
+    fputc('[', out);
+    for (size_t i = 0; i < count; ++i) {
+        fputs(i ? ", " : "", out);
+        json_float(out, values[i]);
+    }
+    fputc(']', out);
+}
+
+static void write_mesh_data(FILE *out, const Mesh *mesh)
+{
+    size_t vertices = mesh->vertex_count, indices = 3 * (size_t)mesh->triangle_count;
+    fputs(", \"origin\": ", out);
+    json_vec3(out, mesh->origin);
+    write_floats(out, "positions", mesh->positions, 3 * vertices);
+    write_floats(out, "vertex_normals", mesh->normals, 3 * vertices);
+    write_floats(out, "vertex_uvs", mesh->uvs, 2 * vertices);
+    write_floats(out, "vertex_colors", mesh->colors, 3 * vertices);
+    fputs(",\n  \"indices\": [", out);
+    for (size_t i = 0; i < indices; ++i) {
+        fprintf(out, "%s%" PRIu32, i ? ", " : "", mesh->triangles[i]);
+    }
+    fputc(']', out);
+}
+
 static void write_mesh(const Dump *dump, uint32_t id)
 {
     FILE *out = dump->out;
@@ -315,14 +350,18 @@ static void write_mesh(const Dump *dump, uint32_t id)
     fprintf(out, ", \"degenerate\": %" PRIu32 ", \"not_finite\": %" PRIu32 ", \"bounds\": ",
             mesh->degenerate, mesh->not_finite);
     if (box3_is_empty(bounds)) {
-        fputs("null}", out);
-        return;
+        fputs("null", out);
+    } else {
+        fputc('[', out);
+        json_vec3(out, add(mesh->origin, bounds.min));
+        fputs(", ", out);
+        json_vec3(out, add(mesh->origin, bounds.max));
+        fputc(']', out);
     }
-    fputc('[', out);
-    json_vec3(out, add(mesh->origin, bounds.min));
-    fputs(", ", out);
-    json_vec3(out, add(mesh->origin, bounds.max));
-    fputs("]}", out);
+    if (dump->mesh_data) {
+        write_mesh_data(out, mesh);
+    }
+    fputc('}', out);
 }
 
 static void write_param(const Dump *dump, uint32_t id)
@@ -346,9 +385,9 @@ static void write_all(const Dump *dump, const char *key, size_t count,
     fputs(count ? "\n]" : "]", dump->out);
 }
 
-bool scene_dump_json(const Scene *scene, Sources *sources, FILE *out)
+static bool write_scene(const Scene *scene, Sources *sources, FILE *out, bool mesh_data)
 {
-    Dump dump = {scene, sources, out};
+    Dump dump = {scene, sources, out, mesh_data};
     fprintf(out, "{\"version\": 1, \"hash\": \"%016" PRIx64 "\"", scene->hash);
     write_reference(out, "camera", scene->camera);
     write_all(&dump, "params", scene->params.count, write_param);
@@ -366,4 +405,14 @@ bool scene_dump_json(const Scene *scene, Sources *sources, FILE *out)
     write_all(&dump, "meshes", scene->meshes.count, write_mesh);
     fputs("\n}\n", out);
     return !ferror(out);
+}
+
+bool scene_dump_json(const Scene *scene, Sources *sources, FILE *out)
+{
+    return write_scene(scene, sources, out, false);
+}
+
+bool scene_export_json(const Scene *scene, Sources *sources, FILE *out)
+{
+    return write_scene(scene, sources, out, true);
 }

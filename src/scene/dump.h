@@ -24,5 +24,9 @@
 // Writes the whole scene, one node a line; places as "file:line:column" through `sources`, which
 // may be NULL: then they are null. Numbers read back as the same doubles. False on a write error.
 bool scene_dump_json(const Scene *scene, Sources *sources, FILE *out);
+// The same with all of each mesh beside its summary: "origin", "positions" (offsets from it),
+// "vertex_normals", "vertex_uvs", "vertex_colors" (null where there are none) and "indices", three
+// a triangle; each one flat list.
+bool scene_export_json(const Scene *scene, Sources *sources, FILE *out);
 
 #endif

@@ -250,6 +250,8 @@ struct NodeType {
     // Shapes: the box around one with these parameters, in its own space; infinite where it has no
     // end. For `bounds(shape)`; NULL: unknown.
     Box3 (*bounds)(const struct Scene *scene, const void *params);
+    // Shapes that are triangles: which of the scene's meshes holds them. NULL: another shape.
+    uint32_t (*mesh)(const void *params);
 };
 
 // The fields that every kind of a category takes beside its own; they are stored in the SceneNode

@@ -1,8 +1,8 @@
 // Shapes that emit: by an area_light node, or by their material.
 #include "render/lights/area_light.h"
 
-#include "render/photometry.h"
 #include "render/world.h"
+#include "schema/photometry.h"
 
 extern const MaterialClass emissive_material;
 

@@ -1,6 +1,6 @@
 // Light from infinitely far away, out of one direction or out of a small disc in the sky.
-#include "render/photometry.h"
 #include "render/world.h"
+#include "schema/photometry.h"
 
 typedef struct DirectionalLight {
     Vec3 direction; // of travel

@@ -1,8 +1,8 @@
 // Light from infinitely far away, all around.
 #include "render/distribution.h"
-#include "render/photometry.h"
 #include "render/texture_image.h"
 #include "render/world.h"
+#include "schema/photometry.h"
 
 typedef struct EnvironmentLight {
     const char *image;

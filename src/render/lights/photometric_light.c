@@ -1,8 +1,8 @@
 // A real luminaire, by its photometric file.
 #include "render/attenuation.h"
 #include "render/lights/ies.h"
-#include "render/photometry.h"
 #include "render/world.h"
+#include "schema/photometry.h"
 
 typedef struct PhotometricLight {
     const char *file;

@@ -2,8 +2,8 @@
 #include "render/lights/point_light.h"
 
 #include "render/attenuation.h"
-#include "render/photometry.h"
 #include "render/world.h"
+#include "schema/photometry.h"
 
 enum { POSITION, INTENSITY, POWER, ATTENUATION };
 

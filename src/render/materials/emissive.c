@@ -1,6 +1,6 @@
 // A surface that gives off light.
-#include "render/photometry.h"
 #include "render/world.h"
+#include "schema/photometry.h"
 
 typedef struct Emissive {
     Emission radiance;

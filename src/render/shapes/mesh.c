@@ -263,6 +263,12 @@ static void mesh_sample_area(const Scene *scene, const void *params, const Affin
     out->pdf = 1 / total;
 }
 
+static uint32_t mesh_number(const void *params)
+{
+    const MeshParams *mesh = params;
+    return mesh->mesh;
+}
+
 const ShapeClass mesh_shape = {
     .node = {.name = "mesh",
              .category = CATEGORY_SHAPE,
@@ -279,7 +285,8 @@ const ShapeClass mesh_shape = {
                  "mesh {\n  vertices: [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]\n  faces: "
                  "[[0, 1, 2, 3]]\n}",
              .finish = mesh_finish,
-             .bounds = mesh_bounds},
+             .bounds = mesh_bounds,
+             .mesh = mesh_number},
     .holding = HOLD_TRIANGLES,
     .closed = shape_is_open,
     .point = mesh_point,

@@ -3,7 +3,7 @@
 #include "../../render/scene_maker.h"
 #include "../../render/statistics.h"
 #include "render/attenuation.h"
-#include "render/photometry.h"
+#include "schema/photometry.h"
 #include "render/world.h"
 
 static World *build(SceneMaker *maker)

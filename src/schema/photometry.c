@@ -1,4 +1,4 @@
-#include "render/photometry.h"
+#include "schema/photometry.h"
 
 static bool is_photometric(uint32_t dim)
 {
