@@ -23,22 +23,23 @@ static const char *const command_list = "@commands";
 
 static Choice option_choice(OptionId id)
 {
+    const char *argument = option_infos[id].argument;
     switch (id) {
-    case OPTION_OUTPUT:
-        return (Choice){"FILE", EXPECT_FILE, NULL};
-    case OPTION_ALLOW_PATH:
-        return (Choice){"DIR", EXPECT_FOLDER, NULL};
     case OPTION_BITS:
-        return (Choice){"N", EXPECT_LIST, "8 16 32"};
+        return (Choice){argument, EXPECT_LIST, "8 16 32"};
     case OPTION_DUMP:
-        return (Choice){"STAGE", EXPECT_LIST, "tokens ast scene"};
+        return (Choice){argument, EXPECT_LIST, "tokens ast scene"};
     case OPTION_DIAGNOSTICS:
-        return (Choice){"FORM", EXPECT_LIST, "text json"};
+        return (Choice){argument, EXPECT_LIST, "text json"};
     case OPTION_AOV:
-        return (Choice){"NAME", EXPECT_LIST,
+        return (Choice){argument, EXPECT_LIST,
                         "alpha albedo normal depth position object_id material_id variance"};
     default:
-        return (Choice){option_infos[id].argument, EXPECT_WORD, NULL};
+        return (Choice){argument,
+                        strcmp(argument, "FILE") == 0  ? EXPECT_FILE
+                        : strcmp(argument, "DIR") == 0 ? EXPECT_FOLDER
+                                                       : EXPECT_WORD,
+                        NULL};
     }
 }
 
@@ -95,13 +96,14 @@ static void bash_choice(Choice choice)
 {
     switch (choice.expected) {
     case EXPECT_FILE:
-        puts("COMPREPLY=($(compgen -f -- \"$word\"))");
+        puts("IFS=$'\\n' COMPREPLY=($(compgen -f -- \"$word\"))");
         break;
     case EXPECT_SCENE:
-        puts("COMPREPLY=($(compgen -f -X '!*.scn' -- \"$word\") $(compgen -d -- \"$word\"))");
+        puts("IFS=$'\\n' COMPREPLY=($(compgen -f -X '!*.scn' -- \"$word\") $(compgen -d -- "
+             "\"$word\"))");
         break;
     case EXPECT_FOLDER:
-        puts("COMPREPLY=($(compgen -d -- \"$word\"))");
+        puts("IFS=$'\\n' COMPREPLY=($(compgen -d -- \"$word\"))");
         break;
     case EXPECT_LIST:
         fputs("COMPREPLY=($(compgen -W '", stdout);
@@ -173,6 +175,7 @@ static void print_bash(void)
     fputs("    if [[ $word == -* ]]; then\n"
           "        COMPREPLY=($(compgen -W \"$options\" -- \"$word\"))\n"
           "    elif [[ -z $first ]]; then\n"
+          "        IFS=$' \\t\\n'\n"
           "        COMPREPLY+=($(compgen -W '",
           stdout);
     print_command_names();

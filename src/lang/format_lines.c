@@ -47,7 +47,7 @@ static uint32_t find_overflow(const Formatter *f, uint32_t begin, uint32_t inden
     return ATOM_NONE;
 }
 
-// The last token before atom i.
+// The last token before atom i, which is not the first one.
 static uint32_t token_before(const Formatter *f, uint32_t i)
 {
     do {
@@ -64,7 +64,8 @@ static bool break_row(Formatter *f, uint32_t begin, uint32_t overflow)
     bool any = false;
     for (uint32_t i = begin + 1; i < f->atoms.count && !f->atoms.items[i].breaks; ++i) {
         const Atom *atom = &f->atoms.items[i];
-        if (atom->element && format_is_broken(f, atom->group)) {
+        // A gap that begins before the line, at a comment, has its line end already.
+        if (atom->element && format_is_broken(f, atom->group) && token_before(f, i) >= begin) {
             if (!format_is_brace(f, atom->group)) {
                 if (i > overflow) {
                     break;

@@ -39,6 +39,17 @@ if command -v bash >/dev/null; then
     expect_no_text out --check
     complete scnrender check ball
     expect_text out ball.scn
+    cp ball.scn 'two words.scn'
+    complete scnrender check two
+    [ "$(cat out)" = 'two words.scn' ] || fail "$last: $(cat out)"
+    mkdir 'a folder'
+    complete scnrender ball.scn --allow-path a
+    [ "$(cat out)" = 'a folder' ] || fail "$last: $(cat out)"
+    complete scnrender --
+    expect_text out --samples
+    complete scnrender ''
+    expect_text out "two words.scn"
+    expect_text out render
     complete scnrender render ball.scn --dump = s
     [ "$(cat out)" = scene ] || fail "$last: $(cat out)"
     complete scnrender completion z
