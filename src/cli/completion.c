@@ -172,10 +172,10 @@ static void print_bash(void)
     }
     puts(") command=$first ;;\n    esac");
     bash_commands();
-    fputs("    if [[ $word == -* ]]; then\n"
+    fputs("    IFS=$' \\t\\n'\n"
+          "    if [[ $word == -* ]]; then\n"
           "        COMPREPLY=($(compgen -W \"$options\" -- \"$word\"))\n"
           "    elif [[ -z $first ]]; then\n"
-          "        IFS=$' \\t\\n'\n"
           "        COMPREPLY+=($(compgen -W '",
           stdout);
     print_command_names();
