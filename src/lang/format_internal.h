@@ -110,8 +110,8 @@ bool format_align(Formatter *f);
 
 // A line ends before atom i.
 void format_add_break(Formatter *f, uint32_t i);
-// The gap behind token i has a line end somewhere.
-void format_break_gap(Formatter *f, uint32_t i);
+// The gap behind token i gets a line end, if it has none; true when it was added.
+bool format_break_gap(Formatter *f, uint32_t i);
 // Both ends of a bracket, and all elements of a brace.
 void format_break_group(Formatter *f, uint32_t opener, bool each_element);
 

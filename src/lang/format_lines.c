@@ -57,7 +57,7 @@ static uint32_t token_before(const Formatter *f, uint32_t i)
 }
 
 // The elements that share the line get lines of their own: in braces all, else those that don't
-// fit. False where there is only one.
+// fit. False where no line end was added, so that nothing is tried for ever.
 static bool break_row(Formatter *f, uint32_t begin, uint32_t overflow)
 {
     uint32_t last = ATOM_NONE;
@@ -72,8 +72,7 @@ static bool break_row(Formatter *f, uint32_t begin, uint32_t overflow)
                 }
                 last = i;
             } else {
-                format_break_gap(f, token_before(f, i));
-                any = true;
+                any |= format_break_gap(f, token_before(f, i));
             }
         }
         if (i > overflow && last != ATOM_NONE) {
@@ -82,9 +81,9 @@ static bool break_row(Formatter *f, uint32_t begin, uint32_t overflow)
         i = atom_opens(atom) && !atom->inside ? atom->match : i;
     }
     if (last != ATOM_NONE) {
-        format_break_gap(f, token_before(f, last));
+        any |= format_break_gap(f, token_before(f, last));
     }
-    return any || last != ATOM_NONE;
+    return any;
 }
 
 // Breaks the outermost brace that is too long; else the outermost other bracket that is.

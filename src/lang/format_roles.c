@@ -271,15 +271,16 @@ void format_add_break(Formatter *f, uint32_t i)
     }
 }
 
-void format_break_gap(Formatter *f, uint32_t i)
+bool format_break_gap(Formatter *f, uint32_t i)
 {
     uint32_t next = format_token_from(f, i + 1);
     for (uint32_t k = i + 1; k <= next && k < f->atoms.count; ++k) {
         if (f->atoms.items[k].breaks) {
-            return;
+            return false;
         }
     }
     format_add_break(f, i + 1);
+    return true;
 }
 
 void format_break_group(Formatter *f, uint32_t opener, bool each_element)
