@@ -284,13 +284,19 @@ static void write_lamp_light(const Pov *pov, uint32_t shape, Rgb radiance, bool 
     export_note(pov->e, at,
                 pov->local ? "a light with a size is a lattice of 9 x 9 points, not one"
                            : "a light with a size is a lattice of 9 x 9 points");
+    if (!lamp.flat) {
+        export_note(pov->e, at,
+                    "a ball shines from a disc that turns to the lit point: near it a few percent "
+                    "are missing");
+    }
     for (int side = 0; side < (both && lamp.flat ? 2 : 1); ++side) {
         Vec3 n = side ? neg(lamp.normal) : lamp.normal;
         begin_light(pov, lamp.middle, rgb_scale(radiance, (float)lamp.projected), natural);
         fputs("  area_light ", out);
-        pov_point(pov, lamp.u);
+        // Points at both ends: with these lengths they are the middles of 9 x 9 cells.
+        pov_point(pov, scale(lamp.u, 8.0 / 9));
         fputs(", ", out);
-        pov_point(pov, lamp.v);
+        pov_point(pov, scale(lamp.v, 8.0 / 9));
         fprintf(out, ", 9, 9 area_illumination on%s%s\n", lamp.round ? " circular" : "",
                 lamp.flat ? "" : " orient");
         if (lamp.flat) { // Lambert's cosine at the lamp
