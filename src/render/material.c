@@ -28,6 +28,7 @@ void shading_point(const World *world, const Surface *surface, Vec3 direction, S
     out->world = world;
     out->surface = surface;
     out->outside = 0;
+    out->layer = LAYER_NONE;
     frame_in(out, surface->shading, surface->tangent, neg(direction), out);
 }
 
@@ -37,6 +38,7 @@ void shading_point_bend(const ShadingPoint *point, Vec3 normal, Vec3 tangent, Sh
     out->world = point->world;
     out->surface = point->surface;
     out->outside = point->outside;
+    out->layer = point->layer;
     frame_in(point, normal, tangent, wo, out);
 }
 

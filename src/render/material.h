@@ -28,6 +28,16 @@ typedef enum MaterialLobes {
 // Room that is always enough for the delta lobes of one surface in practice.
 enum { DELTA_ROOM = 8 };
 
+// The part of a material in a stack of layers.
+typedef enum MaterialLayer {
+    LAYER_NONE, // alone, or at the bottom
+    // A coat, seen from either of its sides: `ggx` lets through what it doesn't reflect.
+    LAYER_COAT,
+    // The same, and sample and pdf concern the one part alone, where the material can do so.
+    LAYER_REFLECT,
+    LAYER_TRANSMIT,
+} MaterialLayer;
+
 // A point to be shaded, seen from a direction.
 typedef struct ShadingPoint {
     const struct World *world;
@@ -38,6 +48,7 @@ typedef struct ShadingPoint {
     double wo_side; // wo · geometric: > 0 from the front
     double outside; // index of refraction on the front side, as the integrator's MediumStack knows
                     // it; 0: what the material says
+    MaterialLayer layer;
 } ShadingPoint;
 
 typedef struct BsdfEval {

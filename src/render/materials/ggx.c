@@ -3,6 +3,7 @@
 
 #include "base/fresnel.h"
 #include "render/ggx_energy.h"
+#include "render/materials/interface.h"
 #include "render/world.h"
 
 enum { F0, IOR, ETA, K, ALPHA, ROTATION, FRESNEL, ENERGY };
@@ -222,6 +223,26 @@ static uint32_t lobes(const World *world, const void *params)
     return LOBE_REFLECT | roughness_lobes(&ggx->roughness);
 }
 
+// As the coat of `layered` a surface that isn't a metal lets through what it doesn't reflect, and
+// refracts it: by `ior`, or by the index that f0's luminance belongs to.
+static bool is_interface(const ShadingPoint *point, const GgxParams *ggx)
+{
+    return point->layer != LAYER_NONE && ggx->given != GGX_METAL;
+}
+
+static Interface as_interface(const ShadingPoint *point, const GgxParams *ggx)
+{
+    double outside = point->outside > 0 ? point->outside : 1;
+    if (ggx->given == GGX_IOR) {
+        return interface_at(point, &ggx->roughness, ggx->ior, outside, ggx->fresnel == GGX_SCHLICK,
+                            NULL, rgb_gray(1));
+    }
+    Rgb f0 = reflectance_tex(point->world->textures, &ggx->f0, point->surface);
+    double root = fmin(sqrt((double)luminance(f0)), 0.8);
+    return interface_at(point, &ggx->roughness, outside * (1 + root) / (1 - root), outside, true,
+                        &f0, rgb_gray(1));
+}
+
 // Expression (10), times the cosine; wi.z > 0.
 static BsdfEval eval_front(const Gloss *gloss, Vec3 wi)
 {
@@ -243,6 +264,10 @@ static BsdfEval eval_front(const Gloss *gloss, Vec3 wi)
 
 static BsdfEval eval(const ShadingPoint *point, const void *params, Vec3 wi)
 {
+    if (is_interface(point, params)) {
+        Interface face = as_interface(point, params);
+        return interface_eval(&face, wi);
+    }
     if (wi.z * point->wo.z <= 0) {
         return (BsdfEval){{0, 0, 0}, 0};
     }
@@ -263,6 +288,10 @@ static Vec3 choose_front(const Gloss *gloss, double lobe, float u, float v)
 static bool sample(const ShadingPoint *point, const void *params, float lobe, float u, float v,
                    BsdfSample *out)
 {
+    if (is_interface(point, params)) {
+        Interface face = as_interface(point, params);
+        return interface_sample(&face, lobe, u, v, out);
+    }
     Gloss gloss = gloss_at(point, params);
     Vec3 wo = point->wo;
     if (gloss.facets.smooth) {
@@ -286,6 +315,10 @@ static bool sample(const ShadingPoint *point, const void *params, float lobe, fl
 
 static int deltas(const ShadingPoint *point, const void *params, BsdfSample *out, int room)
 {
+    if (is_interface(point, params)) {
+        Interface face = as_interface(point, params);
+        return interface_deltas(&face, out, room);
+    }
     if (!gloss_at(point, params).facets.smooth) {
         return 0;
     }
