@@ -101,8 +101,7 @@ static BsdfEval eval_transmission(const Interface *face, Vec3 wi)
     Vec3 f = reflectance(face, o, NULL);
     double root = face->eta * i + o;
     double common = ggx_d(ggx, m) * ggx_g1(ggx, wo) * o * -i / (wo.z * root * root);
-    Rgb passed = rgb_mul(complement(f), face->tint);
-    return (BsdfEval){rgb_scale(passed, (float)(common * ggx_g1(ggx, wi))),
+    return (BsdfEval){passed(face, f, common * ggx_g1(ggx, wi)),
                       (float)((1 - reflect_chance(face, f)) * common * face->eta * face->eta)};
 }
 
