@@ -1,8 +1,8 @@
 // Makes the tables of src/render/ggx_energy.c: the albedo of perfectly reflecting GGX facets.
 //
-//   cc -O2 -Isrc tools/ggx_energy_table.c src/render/microfacet.c -lm -o /tmp/table
+//   cc -O2 -Isrc tools/ggx_energy_table.c src/base/microfacet.c -lm -o /tmp/table
 //   /tmp/table energy > src/render/ggx_energy_table.inc
-//   cc -O2 -Isrc tools/ggx_energy_table.c src/render/microfacet.c src/render/ggx_energy.c -lm \
+//   cc -O2 -Isrc tools/ggx_energy_table.c src/base/microfacet.c src/render/ggx_energy.c -lm \
 //     -DWITH_TABLE -o /tmp/table
 //   /tmp/table mean > src/render/ggx_energy_mean.inc      (zeros at first, so that it compiles)
 #include "render/ggx_energy.h"

@@ -1,1 +1,0 @@
-#include "base/fresnel.h" // where it lives

@@ -1,1 +1,0 @@
-#include "base/microfacet.h" // where it lives
