@@ -2,6 +2,7 @@
 #include "cli/commands.h"
 #include "cli/exporting.h"
 #include "render/light_report.h"
+#include "render/material_report.h"
 
 int command_check(const Options *options)
 {
@@ -13,6 +14,7 @@ int command_check(const Options *options)
         if (good) {
             light_note_laws(&loading.scene, &loading.lang.sink);
             light_warn_enclosed(&loading.scene, &loading.lang.sink);
+            material_warn_open_glass(&loading.scene, &loading.lang.sink);
         }
         if (good && options->target && !report_partners(&loading, &notes)) {
             code = complain(EXIT_NO_MEMORY, "the scene can't be looked through for the export");

@@ -1,6 +1,7 @@
 // scnrender FILE: text -> flat scene -> film -> picture; or, with --dump, one of the stages.
 #include "render/render.h"
 #include "render/light_report.h"
+#include "render/material_report.h"
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
@@ -216,6 +217,7 @@ static int render(Rendering *rendering)
     Loading *loading = &rendering->loading;
     RenderOptions options = render_options(rendering);
     light_warn_enclosed(&loading->scene, &loading->lang.sink);
+    material_warn_open_glass(&loading->scene, &loading->lang.sink);
     rendering->renderer = renderer_new(&loading->scene, &options, &loading->lang.sink);
     int code = loading_report(loading);
     if (!rendering->renderer) {

@@ -1,5 +1,6 @@
 // two_sided, mask, normal_map, bump_map: materials made of others.
 #include "bsdf_check.h"
+#include "render/material_report.h"
 
 static Bench bench;
 
@@ -240,6 +241,32 @@ static void photos_of_normals_are_noted(void **state)
     }
 }
 
+static void put_shape(const char *kind, uint32_t material)
+{
+    int type = schema_find(render_schema(), str_from(kind));
+    void *params = arena_alloc_zeroed(&bench.arena, render_schema()->types[type]->size + 1);
+    scene_add_node(&bench.scene, (uint16_t)type, params, (SceneNode){.material = material});
+}
+
+// Glass on what encloses nothing is reported.
+static void open_glass_is_noted(void **state)
+{
+    (void)state;
+    uint32_t white = bench_material(&bench, "lambert", "");
+    uint32_t glass = bench_material(&bench, "fresnel", "");
+    uint32_t inner = bench_material(&bench, "mix", "a=#0 b=#1");
+    put_shape("sphere", glass);
+    put_shape("plane", glass);
+    put_shape("rectangle", white);
+    put_shape("disc", NONE_ID);
+    material_warn_open_glass(&bench.scene, &bench.sink);
+    assert_int_equal(bench.sink.count, 0);
+    put_shape("rectangle", inner);
+    put_shape("cylinder", glass); // without caps
+    material_warn_open_glass(&bench.scene, &bench.sink);
+    assert_true(bench.sink.warnings >= 1 && bench.sink.items[0].code == W0950);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -248,6 +275,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(normals_tilt, setup, teardown),
         cmocka_unit_test_setup_teardown(normal_maps_are_consistent, setup, teardown),
         cmocka_unit_test_setup_teardown(bumps_have_slopes, setup, teardown),
+        cmocka_unit_test_setup_teardown(open_glass_is_noted, setup, teardown),
         cmocka_unit_test_setup_teardown(photos_of_normals_are_noted, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
