@@ -12,15 +12,16 @@ tools/build release >/dev/null
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-means() { # file: one line for each region, "region r g b"
-    third=$((size / 3))
-    echo "whole $(oiiotool "$1" --ch R,G,B --stats | awk '/Avg/ { print $3, $4, $5 }')"
+means() { # file: one line for each region, "region r g b"; oiiotool takes long to start, so once
+    third=$((size / 3)) regions=whole
+    set -- "$1" --ch R,G,B --echo "{TOP.AVGCOLOR}"
     for y in 0 1 2; do
         for x in 0 1 2; do
-            echo "region_$x$y $(oiiotool "$1" --ch R,G,B --cut ${third}x$third+$((x * third))+$((y * third)) --stats |
-                awk '/Avg/ { print $3, $4, $5 }')"
+            set -- "$@" --pop "$1" --ch R,G,B --cut "${third}x$third+$((x * third))+$((y * third))" --echo "{TOP.AVGCOLOR}"
+            regions="$regions region_$x$y"
         done
     done
+    oiiotool "$@" | tr ',' ' ' | awk -v names="$regions" 'NF == 3 { split(names, name, " "); print name[++n], $0 }'
 }
 
 for seed in $(seq "$seeds"); do

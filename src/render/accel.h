@@ -13,6 +13,10 @@ typedef struct Hit {
     ShapeHit local;
 } Hit;
 
+// Surface.material of an area light's shape that was given no material: it emits and reflects
+// nothing, as lamps do in the programs that ours is compared with.
+#define MATERIAL_BLACK (NONE_ID - 1)
+
 // A point of a surface in the world, ready for shading.
 typedef struct Surface {
     Vec3 p;
@@ -25,8 +29,9 @@ typedef struct Surface {
     Rgb color;    // vertex color
     double error; // bound on the distance from p to the surface, in the world
     uint32_t shape, instance, primitive;
-    uint32_t material; // the shape's own, else its instance's; NONE_ID: the default material
-    bool front;        // the ray came from the front side
+    // The shape's own, else its instance's; else NONE_ID, the default material, or MATERIAL_BLACK.
+    uint32_t material;
+    bool front; // the ray came from the front side
 } Surface;
 
 // Geometry that can't be hit, counted when it was built: shapes and triangles that have no area

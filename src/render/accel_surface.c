@@ -259,6 +259,9 @@ void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *
     out->instance = hit->instance;
     out->primitive = hit->local.primitive;
     out->material = node->material != NONE_ID || !instance ? node->material : instance->material;
+    if (out->material == NONE_ID && node->flags & NODE_LIGHT_ONLY) {
+        out->material = MATERIAL_BLACK;
+    }
     out->front = dot(ray->direction, point.geometric) < 0;
 }
 

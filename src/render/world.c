@@ -9,7 +9,7 @@ bool world_resolve_materials(World *world)
 {
     const Scene *scene = world->scene;
     size_t count = scene->nodes[CATEGORY_MATERIAL].count;
-    WorldMaterial *materials = arena_array(&world->arena, count + 1, sizeof *materials);
+    WorldMaterial *materials = arena_array(&world->arena, count + 2, sizeof *materials);
     if (!materials || count >= NONE_ID) {
         return false;
     }
@@ -22,6 +22,7 @@ bool world_resolve_materials(World *world)
         materials[i].medium = NULL;
     }
     materials[count] = (WorldMaterial){&lambert_material, &lambert_default, 0, NULL};
+    materials[count + 1] = (WorldMaterial){&lambert_material, &lambert_black, 0, NULL};
     for (uint32_t i = 0; i <= count; ++i) {
         materials[i].lobes = material_lobes(world, i);
         world->all_lobes |= materials[i].lobes;

@@ -36,10 +36,13 @@ typedef struct World {
     double near, far;
 } World;
 
-// The material `id` (NONE_ID: the default).
+// The material `id` (NONE_ID: the default; MATERIAL_BLACK: what reflects nothing).
 static inline const WorldMaterial *world_material(const World *world, uint32_t id)
 {
-    return &world->materials[id < world->material_count ? id : world->material_count];
+    if (id < world->material_count) {
+        return &world->materials[id];
+    }
+    return &world->materials[world->material_count + (id == MATERIAL_BLACK)];
 }
 
 // Makes a scene ready, with `threads` threads (0: all). The scene must not change while the world

@@ -41,7 +41,7 @@ void aov_fill(const Hit *hit, const ShadingPoint *point, AovSample *aov)
     aov->position = surface->p;
     aov->depth = hit->t;
     aov->object = surface->shape + 1;
-    aov->material = surface->material == NONE_ID ? 0 : surface->material + 1;
+    aov->material = surface->material >= MATERIAL_BLACK ? 0 : surface->material + 1;
 }
 
 uint32_t surface_lobes(const World *world, const Surface *surface)

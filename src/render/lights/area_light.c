@@ -14,8 +14,8 @@ static const Param PARAMS[] = {
                PARAM_AT(AreaLight, shape),
                .category = CATEGORY_SHAPE,
                .flags = PARAM_REQUIRED,
-               .doc = "What emits: any shape of finite area. It is seen, and its own material "
-                      "reflects."},
+               .doc = "What emits: any shape of finite area. It is seen; its own material "
+                      "reflects, and without one it reflects nothing."},
     [RADIANCE] = {.name = "radiance",
                   .type = PARAM_EMISSION,
                   PARAM_AT(AreaLight, radiance),

@@ -3,6 +3,7 @@
 #include "render/world.h"
 
 const Lambert lambert_default = {{{0.5f, 0.5f, 0.5f}, NONE_ID}};
+const Lambert lambert_black = {{{0, 0, 0}, NONE_ID}};
 
 static const Param PARAMS[] = {
     {.name = "color",

@@ -10,5 +10,7 @@ typedef struct Lambert {
 extern const MaterialClass lambert_material;
 // What shapes without a material are made of.
 extern const Lambert lambert_default;
+// What the shape of an area_light without a material is made of: it emits, and reflects nothing.
+extern const Lambert lambert_black;
 
 #endif
