@@ -1,7 +1,7 @@
 // layered: against a brute-force random walk between the layers, closed forms, and its parts
 // against each other.
-#include "bsdf_check.h"
 #include "base/fresnel.h"
+#include "bsdf_check.h"
 
 static Bench bench;
 

@@ -3,8 +3,8 @@
 #include "../../render/scene_maker.h"
 #include "../../render/statistics.h"
 #include "render/attenuation.h"
-#include "schema/photometry.h"
 #include "render/world.h"
+#include "schema/photometry.h"
 
 static World *build(SceneMaker *maker)
 {
