@@ -105,6 +105,18 @@ static Rgb schlick_mean(Rgb f0)
                (float)fresnel_schlick_mean((double)f0.b));
 }
 
+// A texture of alpha gives both numbers, so that only a pair as such needs a table of its own.
+static void prepare_pair(GgxParams *ggx)
+{
+    const PairTex *alpha = &ggx->roughness.alpha;
+    Ggx facets = {fmax(alpha->value.x, GGX_ALPHA_MIN), fmax(alpha->value.y, GGX_ALPHA_MIN)};
+    ggx->has_pair = ggx->energy == GGX_PRESERVE && alpha->texture == NONE_ID &&
+                    facets.alpha_x != facets.alpha_y;
+    if (ggx->has_pair) {
+        ggx_pair_energy_make(facets, &ggx->pair);
+    }
+}
+
 static bool finish(NodeFinish *finish)
 {
     GgxParams *ggx = finish->params;
@@ -131,6 +143,7 @@ static bool finish(NodeFinish *finish)
     if (ggx->given != GGX_F0 && ggx->fresnel == GGX_SCHLICK) {
         ggx->mean = schlick_mean(ggx->normal);
     }
+    prepare_pair(ggx);
     return true;
 }
 
@@ -155,11 +168,12 @@ typedef struct Gloss {
 // for the cosines (Kulla and Conty 2017):
 //   f = F (1 - E(wo)) (1 - E(wi)) / (π (1 - E_mean)), F = F_mean² E_mean / (1 - F_mean (1 -
 //   E_mean))
-// With F = 1 it sums to what is missing. The table of E is isotropic: a pair alpha goes by its
-// geometric mean.
-static double mean_alpha(const Gloss *gloss)
+// With F = 1 it sums to what is missing.
+static double facets_albedo(const Gloss *gloss, Vec3 w)
 {
-    return sqrt(gloss->facets.ggx.alpha_x * gloss->facets.ggx.alpha_y);
+    const GgxParams *ggx = gloss->params;
+    return ggx->has_pair ? ggx_pair_energy(&ggx->pair, w)
+                         : ggx_energy(gloss->facets.ggx.alpha_x, w.z);
 }
 
 static float between_facets(float f_mean, double e_mean)
@@ -170,10 +184,11 @@ static float between_facets(float f_mean, double e_mean)
 
 static void prepare_energy(Gloss *gloss)
 {
-    double alpha = mean_alpha(gloss), e = ggx_energy_mean(alpha);
-    Rgb f = gloss->params->given == GGX_F0 ? schlick_mean(gloss->f0) : gloss->params->mean;
+    const GgxParams *ggx = gloss->params;
+    double e = ggx->has_pair ? ggx->pair.mean : ggx_energy_mean(gloss->facets.ggx.alpha_x);
+    Rgb f = ggx->given == GGX_F0 ? schlick_mean(gloss->f0) : ggx->mean;
     gloss->missing_mean = 1 - e;
-    gloss->missing_wo = 1 - ggx_energy(alpha, gloss->wo.z);
+    gloss->missing_wo = 1 - facets_albedo(gloss, gloss->wo);
     gloss->between = rgb(between_facets(f.r, e), between_facets(f.g, e), between_facets(f.b, e));
     double spread = gloss->missing_wo * (double)luminance(gloss->between);
     double mirrored = (1 - gloss->missing_wo) * (double)luminance(f);
@@ -253,7 +268,7 @@ static BsdfEval eval_front(const Gloss *gloss, Vec3 wi)
     double pdf = d * ggx_g1(ggx, wo) / (4 * wo.z);
     BsdfEval out = {rgb_scale(fresnel_at(gloss, cos_d), (float)f), (float)pdf};
     if (gloss->diffuse_chance > 0) {
-        double missing_wi = 1 - ggx_energy(mean_alpha(gloss), wi.z);
+        double missing_wi = 1 - facets_albedo(gloss, wi);
         double cosine = wi.z / PI;
         double spread = cosine * gloss->missing_wo * missing_wi / gloss->missing_mean;
         out.value = rgb_add(out.value, rgb_scale(gloss->between, (float)spread));
@@ -332,29 +347,30 @@ static Rgb albedo(const ShadingPoint *point, const void *params)
 }
 
 const MaterialClass ggx_material = {
-    .node = {.name = "ggx",
-             .category = CATEGORY_MATERIAL,
-             .params = PARAMS,
-             .param_count = sizeof PARAMS / sizeof *PARAMS,
-             .size = sizeof(GgxParams),
-             .doc =
-                 "Reflection by microfacets (GGX): brushed and polished metals, glossy surfaces; "
-                 "the same from both sides. With energy \"preserve\" a surface that absorbs "
-                 "nothing gives all light back at any roughness.",
-             .formula =
-                 "f = F D(h) G2(wi, wo) / (4 (n·wi)(n·wo))   (slides, equation 10; slide 79)\n"
-                 "D(m) = 1/(π αx αy ((m·tx/αx)² + (m·ty/αy)² + (m·n)²)²)\n"
-                 "G2 = 1/(1 + Λ(wi) + Λ(wo)), Λ(w) = (√(1 + (αx² x² + αy² y²)/z²) - 1)/2   (Heitz "
-                 "2014)\n"
-                 "F = f0 + (1 - f0)(1 - wi·h)^5, or exact by ior, or eta and k\n"
-                 "preserve: Kulla and Conty 2017; for a pair alpha with its geometric mean",
-             .example = "sphere {\n"
-                        "  material: ggx {\n"
-                        "    eta: rgb(0.143, 0.375, 1.442), k: rgb(3.983, 2.386, 1.603) // gold\n"
-                        "    alpha: (0.1, 0.4), rotation: 30deg\n"
-                        "  }\n"
-                        "}",
-             .finish = finish},
+    .node =
+        {.name = "ggx",
+         .category = CATEGORY_MATERIAL,
+         .params = PARAMS,
+         .param_count = sizeof PARAMS / sizeof *PARAMS,
+         .size = sizeof(GgxParams),
+         .doc = "Reflection by microfacets (GGX): brushed and polished metals, glossy surfaces; "
+                "the same from both sides. With energy \"preserve\" a surface that absorbs "
+                "nothing gives all light back at any roughness.",
+         .formula =
+             "f = F D(h) G2(wi, wo) / (4 (n·wi)(n·wo))   (slides, equation 10; slide 79)\n"
+             "D(m) = 1/(π αx αy ((m·tx/αx)² + (m·ty/αy)² + (m·n)²)²)\n"
+             "G2 = 1/(1 + Λ(wi) + Λ(wo)), Λ(w) = (√(1 + (αx² x² + αy² y²)/z²) - 1)/2   (Heitz "
+             "2014)\n"
+             "F = f0 + (1 - f0)(1 - wi·h)^5, or exact by ior, or eta and k\n"
+             "preserve: + F' (1 - E(wi))(1 - E(wo))/(π (1 - E_mean)), E the albedo where F = 1,\n"
+             "F' = F_mean² E_mean/(1 - F_mean (1 - E_mean))   (Kulla and Conty 2017)",
+         .example = "sphere {\n"
+                    "  material: ggx {\n"
+                    "    eta: rgb(0.143, 0.375, 1.442), k: rgb(3.983, 2.386, 1.603) // gold\n"
+                    "    alpha: (0.1, 0.4), rotation: 30deg\n"
+                    "  }\n"
+                    "}",
+         .finish = finish},
     .lobes = lobes,
     .eval = eval,
     .sample = sample,
