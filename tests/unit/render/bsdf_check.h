@@ -46,6 +46,7 @@ static inline void bench_free(Bench *bench)
 {
     texture_set_free(bench->world.textures);
     scene_free(&bench->scene);
+    diag_sink_free(&bench->sink);
     arena_free(&bench->arena);
 }
 
