@@ -2,7 +2,7 @@
 #include "cli/commands.h"
 #include "cli/load.h"
 #include "render/light_report.h"
-#include "render/photometry.h"
+#include "schema/photometry.h"
 
 #include <string.h>
 
