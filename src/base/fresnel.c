@@ -63,6 +63,13 @@ double fresnel_conductor(double cos_i, double eta, double k)
     return isfinite(f) ? f : 1; // 0/0 at the very edge, cos_i = 0
 }
 
+Rgb fresnel_metal(double cos_i, Rgb eta, Rgb k)
+{
+    return rgb((float)fresnel_conductor(cos_i, (double)eta.r, (double)k.r),
+               (float)fresnel_conductor(cos_i, (double)eta.g, (double)k.g),
+               (float)fresnel_conductor(cos_i, (double)eta.b, (double)k.b));
+}
+
 double fresnel_conductor_f0(double eta, double k)
 {
     return ((eta - 1) * (eta - 1) + k * k) / ((eta + 1) * (eta + 1) + k * k);

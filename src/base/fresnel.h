@@ -22,6 +22,8 @@ double fresnel_f0(double eta);
 // The fraction that a conductor of complex index eta + i k (over that of the medium before it)
 // reflects of unpolarised light (Born and Wolf, 14.2).
 double fresnel_conductor(double cos_i, double eta, double k);
+// The same for red, green and blue.
+Rgb fresnel_metal(double cos_i, Rgb eta, Rgb k);
 // The same along the normal: ((eta - 1)² + k²)/((eta + 1)² + k²).
 double fresnel_conductor_f0(double eta, double k);
 

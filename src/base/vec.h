@@ -155,6 +155,11 @@ static inline Rgb rgb_scale(Rgb a, float s)
 {
     return (Rgb){a.r * s, a.g * s, a.b * s};
 }
+// a (1 - t) + b t.
+static inline Rgb rgb_lerp(Rgb a, Rgb b, float t)
+{
+    return (Rgb){a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b)};
+}
 static inline float rgb_max(Rgb a)
 {
     const float rg = a.r > a.g ? a.r : a.g;

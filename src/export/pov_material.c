@@ -84,8 +84,8 @@ static void read_ggx(const Pov *pov, const SceneNode *node, Surface *out)
 {
     PairTex alpha = export_pair_tex(pov->e, node, "alpha");
     Rgb f0 = constant_color(pov, node, "f0");
-    Rgb eta = export_rgb(pov->e, node, "eta"), k = export_rgb(pov->e, node, "k");
-    double ior = export_number(pov->e, node, "ior");
+    Rgb eta = constant_color(pov, node, "eta"), k = constant_color(pov, node, "k");
+    double ior = constant(pov, node, "ior");
     if (eta.r > 0 || k.r > 0) {
         const float n[3] = {eta.r, eta.g, eta.b}, x[3] = {k.r, k.g, k.b};
         float f[3];
@@ -114,7 +114,7 @@ static void read_ggx(const Pov *pov, const SceneNode *node, Surface *out)
 
 static void read_mirror(const Pov *pov, const SceneNode *node, Surface *out)
 {
-    Rgb eta = export_rgb(pov->e, node, "eta"), k = export_rgb(pov->e, node, "k");
+    Rgb eta = constant_color(pov, node, "eta"), k = constant_color(pov, node, "k");
     if (pov->local) {
         return; // black there
     }

@@ -1,8 +1,8 @@
 // Built-in functions of colors, transforms and shapes; noise and random numbers.
 #include "base/blackbody.h"
 #include "base/hash.h"
+#include "base/noise.h"
 #include "lang/builtins.h"
-#include "lang/noise.h"
 
 // --- Colors ----------------------------------------------------------------------------------
 

@@ -49,6 +49,12 @@ static inline Rgb color_tex(const TextureSet *set, const ColorTex *value, const 
                ? value->value
                : rgb_mul(value->value, texture_color(set, value->texture, surface));
 }
+// The same for its mean over a surface.
+static inline Rgb color_tex_mean(const TextureSet *set, const ColorTex *value)
+{
+    return value->texture == NONE_ID ? value->value
+                                     : rgb_mul(value->value, texture_mean(set, value->texture));
+}
 static inline float number_tex(const TextureSet *set, const NumberTex *value,
                                const Surface *surface)
 {
@@ -63,6 +69,12 @@ static inline Vec2 pair_tex(const TextureSet *set, const PairTex *value, const S
                         ? 1
                         : (double)luminance(texture_color(set, value->texture, surface));
     return (Vec2){value->value.x * factor, value->value.y * factor};
+}
+// A color held to be no less than 0.
+static inline Rgb positive_tex(const TextureSet *set, const ColorTex *value, const Surface *surface)
+{
+    const Rgb c = color_tex(set, value, surface);
+    return rgb(fmaxf(c.r, 0), fmaxf(c.g, 0), fmaxf(c.b, 0));
 }
 // A fraction: a number held to [0, 1].
 static inline float fraction_tex(const TextureSet *set, const NumberTex *value,

@@ -26,7 +26,7 @@ typedef struct MakerField {
     const char *text;
     uint32_t dim;
     bool texture;     // v[0] is a texture's id
-    const void *list; // Vec3 or uint32_t items (faces: triangles)
+    const void *list; // Vec3, Rgb, double or uint32_t items (faces: triangles)
     uint32_t count;   // of them
 } MakerField;
 
@@ -70,6 +70,10 @@ static inline void maker_set_list(SceneMaker *maker, void *at, const Param *para
 {
     if (param->type == PARAM_VEC3_LIST) {
         *(Vec3List *)at = (Vec3List){(Vec3 *)(uintptr_t)f->list, f->count};
+    } else if (param->type == PARAM_COLOR_LIST) {
+        *(RgbList *)at = (RgbList){(Rgb *)(uintptr_t)f->list, f->count};
+    } else if (param->type == PARAM_NUMBER_LIST) {
+        *(NumberList *)at = (NumberList){(double *)(uintptr_t)f->list, f->count};
     } else if (param->type == PARAM_FACE_LIST) {
         FaceList faces = {(uint32_t *)(uintptr_t)f->list, NULL, f->count, f->count / 3};
         faces.sizes = arena_array(&maker->arena, faces.count, sizeof *faces.sizes);

@@ -21,23 +21,22 @@ static const Param PARAMS[] = {
             .doc = "The reflectance seen along the normal. Exactly one of `f0`, `ior`, and `eta` "
                    "with `k` is given."},
     [IOR] = {.name = "ior",
-             .type = PARAM_NUMBER,
+             .type = PARAM_NUMBER_TEX,
              PARAM_AT(GgxParams, ior),
-             .dims = DIM_BIT(DIM_NONE),
              .min = 1,
              .max = 100,
              .flags = PARAM_NO_DEFAULT,
              .doc = "The index of refraction of a surface that doesn't conduct. What it doesn't "
                     "reflect is lost, except as the coat of `layered`."},
     [ETA] = {.name = "eta",
-             .type = PARAM_COLOR,
+             .type = PARAM_COLOR_TEX,
              PARAM_AT(GgxParams, eta),
              .min = 0,
              .max = 100,
              .flags = PARAM_NO_DEFAULT,
              .doc = "A metal's index of refraction for red, green and blue."},
     [K] = {.name = "k",
-           .type = PARAM_COLOR,
+           .type = PARAM_COLOR_TEX,
            PARAM_AT(GgxParams, k),
            .min = 0,
            .max = 100,
@@ -117,6 +116,39 @@ static void prepare_pair(GgxParams *ggx)
     }
 }
 
+// The facet of these indices; `mean` is worked out where it is wanted.
+static GgxFacet facet_of(const GgxParams *ggx, double ior, Rgb eta, Rgb k, bool mean)
+{
+    GgxFacet facet = {.ior = ior, .eta = eta, .k = k};
+    facet.normal = ggx->given == GGX_IOR ? rgb_gray((float)fresnel_f0(ior))
+                                         : each(eta, k, fresnel_conductor_f0);
+    if (!mean) {
+        return facet;
+    }
+    if (ggx->fresnel == GGX_SCHLICK) {
+        facet.mean = schlick_mean(facet.normal);
+    } else if (ggx->given == GGX_IOR) {
+        facet.mean = rgb_gray((float)fresnel_dielectric_mean(ior));
+    } else {
+        facet.mean = each(eta, k, fresnel_conductor_mean);
+    }
+    return facet;
+}
+
+// Fields that weren't given name no textures.
+static void forget_others(GgxParams *ggx)
+{
+    if (ggx->given != GGX_F0) {
+        ggx->f0.texture = NONE_ID;
+    }
+    if (ggx->given != GGX_IOR) {
+        ggx->ior.texture = NONE_ID;
+    }
+    if (ggx->given != GGX_METAL) {
+        ggx->eta.texture = ggx->k.texture = NONE_ID;
+    }
+}
+
 static bool finish(NodeFinish *finish)
 {
     GgxParams *ggx = finish->params;
@@ -130,18 +162,11 @@ static bool finish(NodeFinish *finish)
                        "the exact Fresnel formula needs `ior`, or `eta` and `k`");
         return false;
     }
-    if (ggx->given != GGX_F0) {
-        ggx->f0.texture = NONE_ID;
-    }
-    if (ggx->given == GGX_IOR) {
-        ggx->normal = rgb_gray((float)fresnel_f0(ggx->ior));
-        ggx->mean = rgb_gray((float)fresnel_dielectric_mean(ggx->ior));
-    } else if (ggx->given == GGX_METAL) {
-        ggx->normal = each(ggx->eta, ggx->k, fresnel_conductor_f0);
-        ggx->mean = each(ggx->eta, ggx->k, fresnel_conductor_mean);
-    }
-    if (ggx->given != GGX_F0 && ggx->fresnel == GGX_SCHLICK) {
-        ggx->mean = schlick_mean(ggx->normal);
+    forget_others(ggx);
+    ggx->varies =
+        ggx->ior.texture != NONE_ID || ggx->eta.texture != NONE_ID || ggx->k.texture != NONE_ID;
+    if (ggx->given != GGX_F0 && !ggx->varies) {
+        ggx->facet = facet_of(ggx, ggx->ior.value, ggx->eta.value, ggx->k.value, true);
     }
     prepare_pair(ggx);
     return true;
@@ -157,6 +182,7 @@ typedef struct Gloss {
     Vec3 wo;
     double side; // of the viewer: ±1
     Rgb f0;
+    GgxFacet facet; // unless f0 says all
     // energy: "preserve"
     double missing_mean; // 1 - mean albedo of mirror facets
     double missing_wo;   // 1 - their albedo towards wo
@@ -186,7 +212,7 @@ static void prepare_energy(Gloss *gloss)
 {
     const GgxParams *ggx = gloss->params;
     double e = ggx->has_pair ? ggx->pair.mean : ggx_energy_mean(gloss->facets.ggx.alpha_x);
-    Rgb f = ggx->given == GGX_F0 ? schlick_mean(gloss->f0) : ggx->mean;
+    Rgb f = ggx->given == GGX_F0 ? schlick_mean(gloss->f0) : gloss->facet.mean;
     gloss->missing_mean = 1 - e;
     gloss->missing_wo = 1 - facets_albedo(gloss, gloss->wo);
     gloss->between = rgb(between_facets(f.r, e), between_facets(f.g, e), between_facets(f.b, e));
@@ -195,15 +221,35 @@ static void prepare_energy(Gloss *gloss)
     gloss->diffuse_chance = spread > 0 ? spread / (spread + mirrored) : 0;
 }
 
+static double ior_at(const ShadingPoint *point, const GgxParams *ggx)
+{
+    return fmax(1, (double)number_tex(point->world->textures, &ggx->ior, point->surface));
+}
+
+static GgxFacet facet_at(const ShadingPoint *point, const GgxParams *ggx)
+{
+    if (!ggx->varies) {
+        return ggx->facet;
+    }
+    const TextureSet *textures = point->world->textures;
+    const double ior = ggx->given == GGX_IOR ? ior_at(point, ggx) : 1;
+    const Rgb eta = positive_tex(textures, &ggx->eta, point->surface);
+    const Rgb k = positive_tex(textures, &ggx->k, point->surface);
+    return facet_of(ggx, ior, eta, k, ggx->energy == GGX_PRESERVE);
+}
+
 static Gloss gloss_at(const ShadingPoint *point, const GgxParams *params)
 {
     Gloss gloss = {.params = params, .facets = roughness_at(point, &params->roughness)};
     gloss.side = copysign(1, point->wo.z);
     gloss.wo =
         facets_from_frame(&gloss.facets, vec3(point->wo.x, point->wo.y, gloss.side * point->wo.z));
-    gloss.f0 = params->given == GGX_F0
-                   ? reflectance_tex(point->world->textures, &params->f0, point->surface)
-                   : params->normal;
+    if (params->given == GGX_F0) {
+        gloss.f0 = reflectance_tex(point->world->textures, &params->f0, point->surface);
+    } else {
+        gloss.facet = facet_at(point, params);
+        gloss.f0 = gloss.facet.normal;
+    }
     if (params->energy == GGX_PRESERVE && !gloss.facets.smooth) {
         prepare_energy(&gloss);
     }
@@ -224,11 +270,9 @@ static Rgb fresnel_at(const Gloss *gloss, double cos_i)
                    (float)fresnel_schlick((double)gloss->f0.b, cos_i));
     }
     if (p->given == GGX_IOR) {
-        return rgb_gray((float)fresnel_dielectric(cos_i, p->ior, NULL));
+        return rgb_gray((float)fresnel_dielectric(cos_i, gloss->facet.ior, NULL));
     }
-    return rgb((float)fresnel_conductor(cos_i, (double)p->eta.r, (double)p->k.r),
-               (float)fresnel_conductor(cos_i, (double)p->eta.g, (double)p->k.g),
-               (float)fresnel_conductor(cos_i, (double)p->eta.b, (double)p->k.b));
+    return fresnel_metal(cos_i, gloss->facet.eta, gloss->facet.k);
 }
 
 static uint32_t lobes(const World *world, const void *params)
@@ -249,8 +293,8 @@ static Interface as_interface(const ShadingPoint *point, const GgxParams *ggx)
 {
     double outside = point->outside > 0 ? point->outside : 1;
     if (ggx->given == GGX_IOR) {
-        return interface_at(point, &ggx->roughness, ggx->ior, outside, ggx->fresnel == GGX_SCHLICK,
-                            NULL, rgb_gray(1));
+        return interface_at(point, &ggx->roughness, ior_at(point, ggx), outside,
+                            ggx->fresnel == GGX_SCHLICK, NULL, rgb_gray(1));
     }
     Rgb f0 = reflectance_tex(point->world->textures, &ggx->f0, point->surface);
     double root = fmin(sqrt((double)luminance(f0)), 0.8);

@@ -5,8 +5,8 @@
 
 typedef struct Layered {
     uint32_t coat, base;
-    double thickness;
-    Rgb absorption;
+    NumberTex thickness;
+    ColorTex absorption;
 } Layered;
 
 enum { COAT, BASE, THICKNESS, ABSORPTION };
@@ -27,15 +27,15 @@ static const Param PARAMS[] = {
               .flags = PARAM_REQUIRED,
               .doc = "The lower layer: any opaque material, a `layered`, too."},
     [THICKNESS] = {.name = "thickness",
-                   .type = PARAM_NUMBER,
+                   .type = PARAM_NUMBER_TEX,
                    PARAM_AT(Layered, thickness),
                    .dims = DIM_BIT(DIM_LENGTH),
                    .min = 0,
                    .max = INFINITY,
                    .default_text = "0",
-                   .doc = "Of the coat, along the normal."},
+                   .doc = "Of the coat, along the normal. A texture gives metres."},
     [ABSORPTION] = {.name = "absorption",
-                    .type = PARAM_COLOR,
+                    .type = PARAM_COLOR_TEX,
                     PARAM_AT(Layered, absorption),
                     .min = 0,
                     .max = INFINITY,
@@ -71,12 +71,12 @@ static void layers_of(const ShadingPoint *point, const Layered *layered, Layers 
 {
     const World *world = point->world;
     Medium medium;
-    Rgb absorption = layered->absorption;
+    Rgb absorption = positive_tex(world->textures, &layered->absorption, point->surface);
+    const float thickness = number_tex(world->textures, &layered->thickness, point->surface);
     if (material_medium(world, layered->coat, &medium)) {
         absorption = rgb_add(absorption, medium.absorption);
     }
-    layers_at(point, layered->coat, layered->base, rgb_scale(absorption, (float)layered->thickness),
-              out);
+    layers_at(point, layered->coat, layered->base, rgb_scale(absorption, fmaxf(thickness, 0)), out);
 }
 
 // --- Choosing directions

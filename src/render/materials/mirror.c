@@ -4,7 +4,7 @@
 
 typedef struct Mirror {
     ColorTex color;
-    Rgb eta, k;
+    ColorTex eta, k;
     bool metal; // derived: by eta and k
 } Mirror;
 
@@ -19,7 +19,7 @@ static const Param PARAMS[] = {
                .default_text = "rgb(1, 1, 1)",
                .doc = "The part of the light that is reflected, at all angles."},
     [ETA] = {.name = "eta",
-             .type = PARAM_COLOR,
+             .type = PARAM_COLOR_TEX,
              PARAM_AT(Mirror, eta),
              .min = 0,
              .max = 100,
@@ -27,7 +27,7 @@ static const Param PARAMS[] = {
              .doc = "A metal's index of refraction for red, green and blue; with `k`, in place of "
                     "`color`."},
     [K] = {.name = "k",
-           .type = PARAM_COLOR,
+           .type = PARAM_COLOR_TEX,
            PARAM_AT(Mirror, k),
            .min = 0,
            .max = 100,
@@ -48,6 +48,9 @@ static bool finish(NodeFinish *finish)
         finish->report(finish, COLOR, E0950, "a metal's color follows from `eta` and `k`");
         return false;
     }
+    if (!mirror->metal) {
+        mirror->eta.texture = mirror->k.texture = NONE_ID;
+    }
     return true;
 }
 
@@ -66,9 +69,9 @@ static BsdfEval eval(const ShadingPoint *point, const void *params, Vec3 wi)
 static Rgb reflectance(const ShadingPoint *point, const Mirror *mirror, double cos_i)
 {
     if (mirror->metal) {
-        return rgb((float)fresnel_conductor(cos_i, (double)mirror->eta.r, (double)mirror->k.r),
-                   (float)fresnel_conductor(cos_i, (double)mirror->eta.g, (double)mirror->k.g),
-                   (float)fresnel_conductor(cos_i, (double)mirror->eta.b, (double)mirror->k.b));
+        const TextureSet *textures = point->world->textures;
+        return fresnel_metal(cos_i, positive_tex(textures, &mirror->eta, point->surface),
+                             positive_tex(textures, &mirror->k, point->surface));
     }
     return reflectance_tex(point->world->textures, &mirror->color, point->surface);
 }

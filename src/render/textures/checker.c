@@ -1,5 +1,5 @@
 // Squares or cubes of two colours.
-#include "render/texture.h"
+#include "render/textures/space.h"
 
 typedef struct Checker {
     ColorTex a, b;
@@ -7,8 +7,7 @@ typedef struct Checker {
     int32_t space;
 } Checker;
 
-enum { SPACE_UV, SPACE_OBJECT, SPACE_WORLD };
-static const char *const SPACES[] = {"uv", "object", "world", NULL};
+const char *const texture_spaces[] = {"uv", "object", "world", NULL};
 
 // Coordinates are moved by this part of a cell, so that a face that lies on a boundary of cells has
 // one colour although its points are rounded to either side.
@@ -33,7 +32,7 @@ static const Param PARAMS[] = {
     {.name = "space",
      .type = PARAM_CHOICE,
      PARAM_AT(Checker, space),
-     .choices = SPACES,
+     .choices = texture_spaces,
      .default_text = "\"uv\"",
      .doc = "Squares in texture coordinates, or cubes in the shape's own space or in the world."},
 };
@@ -52,25 +51,19 @@ static Rgb color(const TextureSet *set, const void *params, const void *data,
     if (checker->space == SPACE_UV) {
         sum = cell(surface->uv.x * checker->scale.x) + cell(surface->uv.y * checker->scale.y);
     } else {
-        Vec3 p = checker->space == SPACE_OBJECT ? surface->object_p : surface->p;
-        p = scale(p, checker->scale.x);
+        const Vec3 p = scale(texture_point(checker->space, surface), checker->scale.x);
         sum = cell(p.x) + cell(p.y) + cell(p.z);
     }
     bool even = sum - 2 * floor(sum / 2) == 0;
     return color_tex(set, even ? &checker->a : &checker->b, surface);
 }
 
-static Rgb mean_of(const TextureSet *set, const ColorTex *value)
-{
-    return value->texture == NONE_ID ? value->value
-                                     : rgb_mul(value->value, texture_mean(set, value->texture));
-}
-
 static Rgb mean(const TextureSet *set, const void *params, const void *data)
 {
     (void)data;
     const Checker *checker = params;
-    return rgb_scale(rgb_add(mean_of(set, &checker->a), mean_of(set, &checker->b)), 0.5f);
+    return rgb_scale(rgb_add(color_tex_mean(set, &checker->a), color_tex_mean(set, &checker->b)),
+                     0.5f);
 }
 
 const TextureClass checker_texture = {

@@ -49,17 +49,11 @@ static Rgb color(const TextureSet *set, const void *params, const void *data,
     return apply(math->op, color_tex(set, &math->a, surface), color_tex(set, &math->b, surface));
 }
 
-static Rgb mean_of(const TextureSet *set, const ColorTex *value)
-{
-    return value->texture == NONE_ID ? value->value
-                                     : rgb_mul(value->value, texture_mean(set, value->texture));
-}
-
 static Rgb mean(const TextureSet *set, const void *params, const void *data)
 {
     (void)data;
     const TextureMath *math = params;
-    return apply(math->op, mean_of(set, &math->a), mean_of(set, &math->b));
+    return apply(math->op, color_tex_mean(set, &math->a), color_tex_mean(set, &math->b));
 }
 
 const TextureClass texture_math_texture = {

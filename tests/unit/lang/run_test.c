@@ -3,7 +3,7 @@
 #include "lang_fixture.h"
 
 #include "base/mem.h"
-#include "lang/noise.h"
+#include "base/noise.h"
 
 static Setup setup_with(const char *limit)
 {

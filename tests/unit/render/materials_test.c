@@ -389,6 +389,48 @@ static void base_color_leaves_highlights_white(void **state)
     bench.surface.color = rgb_gray(1);
 }
 
+// A texture for a constant gives what the constant gives.
+static void textures_stand_for_constants(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *kind, *constant, *textured; // %u: the texture
+        double value;
+    } CASES[] = {
+        {"ggx", "ior=1.7 alpha=0.3", "ior=#%u alpha=0.3", 1.7},
+        {"ggx", "ior=1.7 alpha=0.3 fresnel=schlick", "ior=#%u alpha=0.3 fresnel=schlick", 1.7},
+        {"ggx", "ior=1.7 alpha=0.6 energy=preserve", "ior=#%u alpha=0.6 energy=preserve", 1.7},
+        {"ggx", "eta=0.2 k=3 alpha=0.3", "eta=#%u k=3 alpha=0.3", 0.2},
+        {"ggx", "eta=0.2 k=3 alpha=0.3", "eta=0.2 k=#%u alpha=0.3", 3},
+        {"ggx", "eta=0.2 k=3 alpha=0.6 energy=preserve", "eta=0.2 k=#%u alpha=0.6 energy=preserve",
+         3},
+        {"ggx", "f0=0.3 alpha=0.3", "f0=#%u alpha=0.3", 0.3},
+        {"mirror", "eta=0.2 k=3", "eta=#%u k=3", 0.2},
+        {"mirror", "eta=0.2 k=3", "eta=0.2 k=#%u", 3},
+        {"burley", "color=0.3 roughness=0.8", "color=0.3 roughness=#%u", 0.8},
+    };
+    for (size_t i = 0; i < TEST_COUNT(CASES); ++i) {
+        uint32_t texture = bench_texture(&bench, "vertex_color", "");
+        char text[96];
+        snprintf(text, sizeof text, CASES[i].textured, texture);
+        uint32_t plain = bench_material(&bench, CASES[i].kind, CASES[i].constant);
+        uint32_t textured = bench_material(&bench, CASES[i].kind, text);
+        bench.surface.color = rgb_gray((float)CASES[i].value);
+        ShadingPoint point = bench_point(&bench, direction(50, 20));
+        for (int angle = 5; angle < 90; angle += 14) {
+            Vec3 wi = direction(angle, 190);
+            double expected = (double)material_eval(&point, plain, wi).value.r;
+            double found = (double)material_eval(&point, textured, wi).value.r;
+            if (!near_relative(found, expected, 1e-5)) {
+                fail_msg("%s %s: %.9g, not %.9g", CASES[i].kind, text, found, expected);
+            }
+        }
+        double expected = (double)material_albedo(&point, plain).r;
+        assert_true(near_relative((double)material_albedo(&point, textured).r, expected, 1e-5));
+    }
+    bench.surface.color = rgb_gray(1);
+}
+
 static void finishes_refuse(void **state)
 {
     (void)state;
@@ -431,6 +473,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(lobes_are_consistent, setup, teardown),
         cmocka_unit_test_setup_teardown(mix_weights, setup, teardown),
         cmocka_unit_test_setup_teardown(base_color_leaves_highlights_white, setup, teardown),
+        cmocka_unit_test_setup_teardown(textures_stand_for_constants, setup, teardown),
         cmocka_unit_test_setup_teardown(finishes_refuse, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,6 +2,7 @@
 
 #include "../../render/scene_maker.h"
 #include "../../render/statistics.h"
+#include "base/noise.h"
 #include "render/texture.h"
 #include "render/texture_image.h"
 
@@ -152,6 +153,86 @@ static void arithmetic_is_by_component(void **state)
     maker_free(&lab.maker);
 }
 
+// Linear between the colors at their positions, along from → to; and by another texture's value.
+static void gradients_run_between_colors(void **state)
+{
+    (void)state;
+    static const Rgb COLORS[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    static const double PLACES[3] = {0, 0.25, 1};
+    const MakerField colors = {"colors", .list = COLORS, .count = 3};
+    const MakerField places = {"positions", .list = PLACES, .count = 3};
+    Lab lab;
+    maker_init(&lab.maker);
+    uint32_t vertex = PUT_DEFAULT(&lab.maker, "vertex_color");
+    uint32_t even = PUT(&lab.maker, "gradient", colors, {"from", {1, 0, 0}}, {"to", {3, 0, 0}});
+    uint32_t placed = PUT(&lab.maker, "gradient", colors, places, {"space", .text = "world"},
+                          {"wrap", .text = "repeat"});
+    uint32_t round = PUT(&lab.maker, "gradient", colors, {"form", .text = "radial"},
+                         {"to", {0, 0, 2}}, {"wrap", .text = "mirror"});
+    uint32_t mapped = PUT(&lab.maker, "gradient", colors, {"value", {vertex}, .texture = true});
+    lab.set = texture_set_build(&lab.maker.scene, &lab.maker.sink);
+    assert_non_null(lab.set);
+    for (int i = -20; i <= 40; ++i) {
+        const double t = i / 20.0, held = fmin(fmax(t, 0), 1);
+        Surface s = {.object_p = {1 + 2 * t, 5, -3}, .p = {7, t, 7}};
+        Rgb c = texture_color(lab.set, even, &s);
+        assert_true(NEAR(c.r, fmax(0, 1 - 2 * held), 1e-6));
+        assert_true(NEAR(c.b, fmax(0, 2 * held - 1), 1e-6));
+        assert_true(NEAR((double)c.r + (double)c.g + (double)c.b, 1, 1e-6));
+        const double again = t - floor(t);
+        c = texture_color(lab.set, placed, &s);
+        assert_true(NEAR(c.r, fmax(0, 1 - 4 * again), 1e-6));
+        assert_true(NEAR(c.b, fmax(0, (again - 0.25) / 0.75), 1e-6));
+        const double way = fabs(t), back = way > 1 ? 2 - way : way;
+        s.object_p = vec3(0, 2 * t, 0);
+        c = texture_color(lab.set, round, &s);
+        assert_true(NEAR(c.r, fmax(0, 1 - 2 * back), 1e-6));
+        s.color = rgb_gray((float)t);
+        c = texture_color(lab.set, mapped, &s);
+        assert_true(NEAR(c.r, fmax(0, 1 - 2 * held), 1e-6));
+    }
+    const Rgb middle = texture_mean(lab.set, even); // of 16 samples
+    assert_true(NEAR(middle.r, 0.25, 0.01) && NEAR(middle.g, 0.5, 0.01));
+    texture_set_free(lab.set);
+    maker_free(&lab.maker);
+}
+
+// t = (1 + Σ gain^i n(lacunarity^i scale p)/Σ gain^i)/2, within [0, 1], without jumps, the mean at
+// the middle of the two colors.
+static void noise_is_smooth(void **state)
+{
+    (void)state;
+    Lab lab;
+    maker_init(&lab.maker);
+    uint32_t one = PUT(&lab.maker, "noise", {"scale", {2}});
+    uint32_t many =
+        PUT(&lab.maker, "noise", {"scale", {2}}, {"octaves", {5}}, {"a", {2}}, {"b", {6}});
+    uint32_t folded = PUT(&lab.maker, "noise", {"style", .text = "turbulent"}, {"octaves", {3}});
+    lab.set = texture_set_build(&lab.maker.scene, &lab.maker.sink);
+    assert_non_null(lab.set);
+    double sums[3] = {0};
+    const int n = 20000;
+    for (int i = 0; i < n; ++i) {
+        const double x = i * 0.0137;
+        Surface s = {.object_p = {x, 0.7 * x, -0.3 * x}}, near = s;
+        near.object_p.x += 1e-4;
+        const double values[3] = {(double)texture_color(lab.set, one, &s).r,
+                                  (double)texture_color(lab.set, many, &s).r,
+                                  (double)texture_color(lab.set, folded, &s).r};
+        assert_true(NEAR(values[0], 0.5 + 0.5 * noise3(scale(s.object_p, 2)), 1e-6));
+        assert_true(NEAR(texture_color(lab.set, many, &near).r, values[1], 0.02));
+        assert_true(values[1] >= 2 && values[1] <= 6 && values[2] >= 0 && values[2] <= 1);
+        for (int k = 0; k < 3; ++k) {
+            sums[k] += values[k] / n;
+        }
+    }
+    assert_true(NEAR(sums[0], texture_mean(lab.set, one).r, 0.01));
+    assert_true(NEAR(sums[1], texture_mean(lab.set, many).r, 0.04));
+    assert_true(NEAR(sums[2], texture_mean(lab.set, folded).r, 0.03));
+    texture_set_free(lab.set);
+    maker_free(&lab.maker);
+}
+
 static void missing_picture_is_reported_once(void **state)
 {
     (void)state;
@@ -176,6 +257,8 @@ int main(void)
         cmocka_unit_test(srgb_curve),
         cmocka_unit_test(checker_alternates),
         cmocka_unit_test(arithmetic_is_by_component),
+        cmocka_unit_test(gradients_run_between_colors),
+        cmocka_unit_test(noise_is_smooth),
         cmocka_unit_test(missing_picture_is_reported_once),
     };
     return cmocka_run_group_tests(tests, set_up, NULL);

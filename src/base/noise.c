@@ -1,4 +1,4 @@
-#include "lang/noise.h"
+#include "base/noise.h"
 
 #include "base/hash.h"
 
