@@ -46,6 +46,10 @@ typedef struct Sandbox {
     int root_count;
     uint64_t max_file_bytes;
     bool allow_all; // for the scene's own tools; never set from a scene
+    // Told the path of each file that is to be opened, whether or not it is there, before it is
+    // opened; from the thread that opens it. NULL: nobody is.
+    void (*on_open)(void *context, const char *path);
+    void *on_open_context;
 } Sandbox;
 
 void sandbox_init(Sandbox *sandbox);

@@ -276,6 +276,9 @@ static int open_allowed(const Sandbox *sandbox, const char *path)
 IoError sandbox_open(const Sandbox *sandbox, const char *path, int *fd, uint64_t *size)
 {
     *size = 0;
+    if (sandbox->on_open) {
+        sandbox->on_open(sandbox->on_open_context, path);
+    }
     *fd = open_allowed(sandbox, path);
     if (*fd < 0) {
         return io_error_from_errno(errno);

@@ -5,6 +5,7 @@
 #include "cli/options.h"
 
 int command_render(const Options *options);
+int command_watch(const Options *options);
 int command_check(const Options *options);
 int command_lights(const Options *options);
 int command_params(const Options *options);

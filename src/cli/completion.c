@@ -27,6 +27,8 @@ static Choice option_choice(OptionId id)
     switch (id) {
     case OPTION_BITS:
         return (Choice){argument, EXPECT_LIST, "8 16 32"};
+    case OPTION_TONE:
+        return (Choice){argument, EXPECT_LIST, "srgb linear aces filmic"};
     case OPTION_DUMP:
         return (Choice){argument, EXPECT_LIST, "tokens ast scene"};
     case OPTION_DIAGNOSTICS:

@@ -39,7 +39,7 @@ static void print_main(void)
     }
     puts("\nThe picture stands beside the scene under its name, or where -o says; FILE `-`\n"
          "is the standard input. The most used options:");
-    static const OptionId most_used[] = {OPTION_OUTPUT, OPTION_SAMPLES, OPTION_SIZE, OPTION_SET};
+    static const OptionId most_used[] = {OPTION_OUTPUT, OPTION_SAMPLES, OPTION_SET};
     for (size_t i = 0; i < sizeof most_used / sizeof most_used[0]; ++i) {
         print_option(&option_infos[most_used[i]]);
     }

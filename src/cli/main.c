@@ -32,6 +32,8 @@ static int run(const Options *options)
     switch (options->command) {
     case COMMAND_RENDER:
         return command_render(options);
+    case COMMAND_WATCH:
+        return command_watch(options);
     case COMMAND_CHECK:
         return command_check(options);
     case COMMAND_LIGHTS:

@@ -1,6 +1,7 @@
 #include "cli/options.h"
 
 #include "base/number.h"
+#include "render/film.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -10,7 +11,8 @@
 
 #define ON(command) (1u << COMMAND_##command)
 #define ON_ALL      (~0u)
-#define ON_SCENES   (ON(RENDER) | ON(CHECK) | ON(LIGHTS) | ON(PARAMS) | ON(EXPORT))
+#define ON_PICTURES (ON(RENDER) | ON(WATCH))
+#define ON_SCENES   (ON(RENDER) | ON(WATCH) | ON(CHECK) | ON(LIGHTS) | ON(PARAMS) | ON(EXPORT))
 
 const CommandInfo command_infos[COMMAND_COUNT] = {
 #define COMMAND(id, name, operand, fewest, most, text)                                             \
@@ -180,6 +182,15 @@ static bool take_point(const Parser *parser, const char *text)
     return true;
 }
 
+static bool take_exposure(const Parser *parser, const char *text)
+{
+    const char *end = number_parse(text, text + strlen(text), &parser->options->exposure);
+    if (!end || *end || fabs(parser->options->exposure) > 30) {
+        return wrong(parser, "`--exposure` takes stops from -30 to 30, not `%s`", text);
+    }
+    return true;
+}
+
 static bool take_setting(const Parser *parser, const char *text)
 {
     const char *equals = strchr(text, '=');
@@ -288,6 +299,19 @@ static bool take(Parser *parser, OptionId id, const char *text)
         good = take_number(parser, id, text, 1, MOST_THREADS, &number);
         options->threads = (unsigned)number;
         return good;
+    case OPTION_EXPOSURE:
+        return take_exposure(parser, text);
+    case OPTION_TONE:
+        good =
+            take_word(parser, id, text, tone_names, "srgb, linear, aces or filmic", &options->tone);
+        return good;
+    case OPTION_PORT:
+        good = take_number(parser, id, text, 0, UINT16_MAX, &number);
+        options->port = (uint16_t)number;
+        return good;
+    case OPTION_POLL:
+        options->poll = true;
+        return true;
     case OPTION_AT:
         return take_point(parser, text);
     case OPTION_AOV:
@@ -473,7 +497,7 @@ static bool choose_command(Parser *parser, Words *words)
 
 bool options_parse(Options *options, int argc, char **argv, FILE *err)
 {
-    *options = (Options){.seed = -1, .limits = limits_default()};
+    *options = (Options){.seed = -1, .exposure = NAN, .tone = -1, .limits = limits_default()};
     size_t most = argc > 0 ? (size_t)argc : 0, aovs = 0;
     for (size_t i = 0; i < most; ++i) { // a list may stand in one word
         for (const char *at = argv[i]; *at; ++at) {

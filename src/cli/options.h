@@ -47,9 +47,13 @@ typedef struct Options {
     int width, height;     // 0: the scene's
     unsigned threads;      // 0: one a processor
     int bits;              // 0: the type's
+    double exposure;       // stops; NAN: the scene's
+    int tone;              // ToneCurve; -1: the scene's
     Dump dump;
     bool json, quiet, has_at;
     bool check, diff;           // of fmt
+    uint16_t port;              // of watch; 0: any
+    bool poll;                  // of watch
     Vec3 at;                    // --at
     const ExportTarget *target; // --to, --for; or NULL
     const char *const *aovs;    // names

@@ -243,7 +243,8 @@ static Attributes make_attributes(const Picture *picture, const Film *film, Aren
                   arena_printf(arena, "%u", (unsigned)film->samples_done));
     add_attribute(&attributes, "scnrender:integrator",
                   integrator_classes[render->integrator]->name);
-    add_attribute(&attributes, "scnrender:camera", camera_name(scene));
+    add_attribute(&attributes, "scnrender:camera",
+                  picture->camera ? picture->camera : camera_name(scene));
     return attributes;
 }
 

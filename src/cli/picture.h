@@ -13,6 +13,7 @@ typedef struct Picture {
     // What the attributes say; set before the first picture_write.
     const FilmParams *film_params;
     const RenderParams *render_params;
+    const char *camera; // as text, where it isn't one of the scene's; else NULL
 } Picture;
 
 // Finds out where the picture goes and with which layers, and that it can be written there. An

@@ -10,6 +10,7 @@
 #include "cli/progress.h"
 #include "image/image.h"
 #include "scene/dump.h"
+#include "watch/pose.h"
 
 #include <string.h>
 
@@ -42,7 +43,7 @@ static int dump(Loading *loading)
 
 // --- What the options change ---------------------------------------------------------------------
 
-static int choose_camera(Scene *scene, const char *name)
+static int choose_named_camera(Scene *scene, const char *name)
 {
     const SceneNodeArray *cameras = &scene->nodes[CATEGORY_CAMERA];
     for (uint32_t i = 0; i < cameras->count; ++i) {
@@ -84,6 +85,9 @@ static int check_pixels(const Loading *loading)
 
 typedef struct Rendering {
     Loading loading;
+    bool has_camera;     // `--camera "camera { … }"`
+    CameraParams camera; // is what it says
+    FilmParams look;     // exposure and tone curve as asked for
     Interrupt interrupt;
     Picture picture;
     Bar bar;
@@ -156,9 +160,37 @@ static RenderOptions render_options(Rendering *rendering)
                            .samples = options->samples,
                            .seed = options->seed,
                            .aovs = picture_has_layers(&rendering->picture),
+                           .camera = rendering->has_camera ? &rendering->camera : NULL,
                            .stop = &rendering->interrupt.signal,
                            .progress = on_progress,
                            .context = rendering};
+}
+
+// By a name, or by the text of a camera.
+static int choose_camera(Rendering *rendering, const char *named)
+{
+    if (!strchr(named, '{')) {
+        return choose_named_camera(&rendering->loading.scene, named);
+    }
+    char message[300];
+    const Schema *schema = rendering->loading.scene.schema;
+    if (!camera_from_text(schema, named, &rendering->camera, message, sizeof message)) {
+        return complain(EXIT_USAGE, "`--camera`: %s", message);
+    }
+    rendering->has_camera = true;
+    return EXIT_OK;
+}
+
+static void choose_look(Rendering *rendering)
+{
+    const Options *options = rendering->loading.options;
+    rendering->look = *renderer_film_params(rendering->renderer);
+    if (!isnan(options->exposure)) {
+        rendering->look.exposure = options->exposure;
+    }
+    if (options->tone >= 0) {
+        rendering->look.tone = options->tone;
+    }
 }
 
 static void print_statistics(const Rendering *rendering, const Film *film)
@@ -223,7 +255,9 @@ static int render(Rendering *rendering)
     if (!rendering->renderer) {
         return code != EXIT_OK ? code : complain(EXIT_NO_MEMORY, "not enough memory to render");
     }
-    rendering->picture.film_params = renderer_film_params(rendering->renderer);
+    choose_look(rendering);
+    rendering->picture.film_params = &rendering->look;
+    rendering->picture.camera = rendering->has_camera ? loading->options->camera : NULL;
     rendering->picture.render_params = renderer_params(rendering->renderer);
     rendering->refresh_at = FIRST_REFRESH_SECONDS;
     image_preload(); // not earlier: Embree's own loading would have to wait for it
@@ -242,7 +276,7 @@ static int prepare(Rendering *rendering)
         int code = loading_report(loading);
         return code != EXIT_OK ? code : EXIT_DIAGNOSTICS;
     }
-    int code = options->camera ? choose_camera(&loading->scene, options->camera) : EXIT_OK;
+    int code = options->camera ? choose_camera(rendering, options->camera) : EXIT_OK;
     if (code == EXIT_OK) {
         code = check_pixels(loading);
     }

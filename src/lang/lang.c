@@ -262,6 +262,9 @@ static void evaluate(Eval *ev, const Run *run)
         params_write_json(ev, module, run->params_to);
         return;
     }
+    if (ev->lang->params_to) {
+        params_write_json(ev, module, ev->lang->params_to);
+    }
     emit_file(ev, module);
     force_globals(ev, module, AST_LET);
     keep_params(ev, module);

@@ -52,6 +52,9 @@ typedef struct Lang {
     const ParamSetting *settings;
     size_t setting_count;
     FILE *print_to; // where print() writes; NULL: nowhere
+    // Where lang_load writes the params, too, as lang_params_json does, once their values are
+    // known; NULL: nowhere.
+    FILE *params_to;
     // The text that stands for the file at `given_path` (standard input); NULL: none. Not owned.
     const char *given_path;
     Str given_text;

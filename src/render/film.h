@@ -18,6 +18,7 @@
 enum { SAMPLE_BLOCK = 64 };
 
 typedef enum ToneCurve { TONE_SRGB, TONE_LINEAR, TONE_ACES, TONE_FILMIC } ToneCurve;
+extern const char *const tone_names[]; // by ToneCurve; NULL at the end
 
 typedef struct FilmParams { // the `film` kind
     int64_t width, height;

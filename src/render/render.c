@@ -96,6 +96,11 @@ static void choose_camera(Renderer *r, DiagSink *sink)
 {
     const int width = (int)r->film_params.width, height = (int)r->film_params.height;
     const SceneNodeArray *cameras = &r->scene->nodes[CATEGORY_CAMERA];
+    if (r->options.camera) {
+        const Affine identity = affine_identity();
+        camera_setup(&r->camera, r->options.camera, &identity, width, height);
+        return;
+    }
     if (r->scene->camera < cameras->count) {
         camera_prepare(&r->camera, r->scene, r->scene->camera, width, height);
         return;
@@ -125,7 +130,8 @@ static bool prepare(Renderer *r, DiagSink *sink)
                     width, height);
         return false;
     }
-    r->world = world_build(r->scene, r->options.threads, sink);
+    r->world =
+        r->options.world ? r->options.world : world_build(r->scene, r->options.threads, sink);
     if (!r->world) {
         return false;
     }
@@ -167,7 +173,7 @@ Renderer *renderer_new(const Scene *scene, const RenderOptions *options, DiagSin
 void renderer_free(Renderer *r)
 {
     if (r) {
-        if (r->world) {
+        if (!r->options.world) {
             world_free(r->world);
         }
         tiles_free(&r->tiles);
@@ -189,6 +195,11 @@ const FilmParams *renderer_film_params(const Renderer *r)
 const RenderParams *renderer_params(const Renderer *r)
 {
     return &r->params;
+}
+
+const Camera *renderer_camera(const Renderer *r)
+{
+    return &r->camera;
 }
 
 // --- Pixels --------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 #define RENDER_RENDER_H
 
 #include "base/diag.h"
+#include "render/camera.h"
 #include "render/film.h"
 #include "render/integrator.h"
 #include "scene/scene.h"
@@ -34,6 +35,10 @@ typedef struct RenderOptions {
     int64_t first_sample;
     bool aovs;
     const IntegratorClass *integrator; // NULL: the scene's
+    // A world that was built of the same scene before, so that only the camera or the size changes;
+    // it is not owned, and no two renderers use it at once. NULL: the renderer builds its own.
+    World *world;
+    const CameraParams *camera; // in world space, instead of the scene's; NULL: the scene's
     const atomic_int *stop;            // non-zero: stop soon, keep what is done; may be NULL
     // Called from the rendering thread that finished a tile (one at a time), at most every 50 ms,
     // and at the end of each pass over the picture with pass_done = true, when no thread writes to
@@ -70,6 +75,8 @@ const Film *renderer_film(const Renderer *renderer);
 // What was in force, the options counted in: for the picture's metadata.
 const FilmParams *renderer_film_params(const Renderer *renderer);
 const RenderParams *renderer_params(const Renderer *renderer);
+// What the picture is seen with.
+const Camera *renderer_camera(const Renderer *renderer);
 void renderer_free(Renderer *renderer);
 
 // Resolved film and render settings of a scene: its own, or the defaults.

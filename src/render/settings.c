@@ -14,7 +14,6 @@
 enum { DEFAULT_FILTER = FILTER_BLACKMAN_HARRIS, DEFAULT_TONE = TONE_SRGB };
 
 static const char *const filters[] = {"box", "tent", "gaussian", "blackman_harris", "center", NULL};
-static const char *const tones[] = {"srgb", "linear", "aces", "filmic", NULL};
 static const char *const samplings[] = {"mis", "light", "bsdf", NULL};
 static const char *const integrators[] = {
 #define INTEGRATOR(id) #id,
@@ -64,7 +63,7 @@ static const Param film_params[] = {
     {.name = "tone",
      .type = PARAM_CHOICE,
      PARAM_AT(FilmParams, tone),
-     .choices = tones,
+     .choices = tone_names,
      .default_text = "\"srgb\"",
      .doc = "the curve from light to a display's values; not for linear files such as EXR"},
     {.name = "file",

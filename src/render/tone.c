@@ -1,6 +1,8 @@
 // Tone curves: from scene-linear Rec.709, exposure applied, to what a display is sent.
 #include "render/film.h"
 
+const char *const tone_names[] = {"srgb", "linear", "aces", "filmic", NULL};
+
 static float clamp01(float x)
 {
     // A comparison with NaN is false, so that NaN becomes 0.

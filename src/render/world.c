@@ -39,21 +39,27 @@ bool world_resolve_materials(World *world)
     return true;
 }
 
-// The bodies that the scene's camera stands in, for the indices and absorption of the first way.
-static void find_camera_media(World *world)
+// The bodies that a camera stands in, for the indices and absorption of the first way.
+static void find_camera_media(World *world, const Camera *camera)
 {
-    const Scene *scene = world->scene;
     bool any = false;
     for (uint32_t i = 0; i < world->material_count; ++i) {
         any |= world->materials[i].medium != NULL;
     }
-    if (any && scene->camera < scene->nodes[CATEGORY_CAMERA].count) {
+    Ray ray;
+    if (any && camera_ray(camera, 0.5, 0.5, 0.5f, 0.5f, &ray)) {
+        world->camera_media = medium_around(world, ray.origin);
+    }
+}
+
+// Until world_set_camera names another.
+static void find_scene_camera_media(World *world)
+{
+    const Scene *scene = world->scene;
+    if (scene->camera < scene->nodes[CATEGORY_CAMERA].count) {
         Camera camera;
-        Ray ray;
         camera_prepare(&camera, scene, scene->camera, 1, 1);
-        if (camera_ray(&camera, 0.5, 0.5, 0.5f, 0.5f, &ray)) {
-            world->camera_media = medium_around(world, ray.origin);
-        }
+        find_camera_media(world, &camera);
     }
 }
 
@@ -85,7 +91,7 @@ static bool build_parts(World *world, unsigned threads, DiagSink *sink)
         diag_report(sink, E0001, (Span){0}, "no memory to make the scene ready for rendering");
         return false;
     }
-    find_camera_media(world);
+    find_scene_camera_media(world);
     report_issues(world->accel, sink);
     world->lights = light_set_build(world, &world->arena, sink);
     return world->lights != NULL;
@@ -119,6 +125,7 @@ void world_set_camera(World *world, const Camera *camera)
     const Box3 box = accel_bounds(world->accel);
     const bool axis = camera->params.projection == CAMERA_PERSPECTIVE ||
                       camera->params.projection == CAMERA_ORTHOGRAPHIC;
+    find_camera_media(world, camera);
     world->camera = camera;
     world->near = INFINITY;
     world->far = 0;

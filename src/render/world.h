@@ -52,7 +52,8 @@ void world_free(World *world);
 // A part of world_build: fills `materials` of a world of which only `scene` is set, for questions
 // that need no rays; world_free gives it back. False when memory runs out.
 bool world_resolve_materials(World *world);
-// Sets camera, near and far; the camera must outlive the world.
+// Sets camera, camera_media, near and far; the camera must live until another is set, or the world
+// ends.
 void world_set_camera(World *world, const Camera *camera);
 
 // Half the diagonal of the box of all bounded shapes; 1 where there are none.
