@@ -1,6 +1,6 @@
 // The reader of photometric files: whatever the bytes, a table with a finite flux and finite
 // intensities everywhere, or a message with its line.
-#include "render/lights/ies.h"
+#include "scene/ies.h"
 
 #include <stdlib.h>
 

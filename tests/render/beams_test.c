@@ -3,7 +3,7 @@
 #include "estimate.h"
 
 #include "render/attenuation.h"
-#include "render/lights/ies.h"
+#include "scene/ies.h"
 
 typedef struct Lab {
     SceneMaker maker;

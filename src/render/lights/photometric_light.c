@@ -1,7 +1,7 @@
 // A real luminaire, by its photometric file.
 #include "render/attenuation.h"
-#include "render/lights/ies.h"
 #include "render/world.h"
+#include "scene/ies.h"
 #include "schema/photometry.h"
 
 typedef struct PhotometricLight {

@@ -4,8 +4,8 @@
 
 #include "../../render/scene_maker.h"
 #include "../../render/statistics.h"
-#include "render/lights/ies.h"
 #include "render/world.h"
+#include "scene/ies.h"
 
 static const char HEAD[] = "IESNA:LM-63-2002\n[TEST] one\n[MANUFAC] nobody\n";
 

@@ -1,5 +1,5 @@
 // Reads IESNA LM-63 photometric files. They come from anywhere: nothing in them is trusted.
-#include "render/lights/ies.h"
+#include "scene/ies.h"
 
 #include "base/number.h"
 

@@ -1,7 +1,7 @@
 // Photometric files: IESNA LM-63 of 1986, 1991, 1995 and 2002 (and 2019, which reads the same), as
 // a table of luminous intensity over two angles.
-#ifndef RENDER_LIGHTS_IES_H
-#define RENDER_LIGHTS_IES_H
+#ifndef SCENE_IES_H
+#define SCENE_IES_H
 
 #include "base/arena.h"
 #include "base/str.h"

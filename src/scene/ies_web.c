@@ -1,5 +1,5 @@
 // Intensities between the angles of a photometric table, and its flux.
-#include "render/lights/ies.h"
+#include "scene/ies.h"
 
 // The cell of ascending `angles` that `angle` lies in and how far in it; false outside.
 static bool find_cell(const double *angles, uint32_t count, double angle, uint32_t *cell,
