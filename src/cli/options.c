@@ -270,7 +270,7 @@ static bool take_target(const Parser *parser, OptionId id, const char *text)
         return wrong(parser, "`--%s` doesn't know `%s`; did you mean `%s`?", option_infos[id].name,
                      text, near);
     }
-    return wrong(parser, "`--%s` takes povray or json, not `%s`", option_infos[id].name, text);
+    return wrong(parser, "`--%s` takes povray, blender or json, not `%s`", option_infos[id].name, text);
 }
 
 static bool take(Parser *parser, OptionId id, const char *text)
@@ -490,7 +490,7 @@ static bool choose_command(Parser *parser, Words *words)
         }
     }
     if (options->command == COMMAND_EXPORT && !options->target) {
-        return wrong(parser, "`export` wants `--to povray` or `--to json`");
+        return wrong(parser, "`export` wants `--to povray`, `--to blender` or `--to json`");
     }
     return true;
 }

@@ -9,6 +9,8 @@
 
 const ExportTarget export_targets[] = {
     {"povray", "POV-Ray 3.7", "pov", "a scene for POV-Ray 3.7", povray_write},
+    {"blender", "Blender 3.4", "py", "a Python script that builds the scene in Blender, for Cycles",
+     blender_write},
     {"json", "JSON", "json", "the flat scene, for any program (docs/scene.schema.json)",
      json_write},
     {0},

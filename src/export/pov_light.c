@@ -1,5 +1,6 @@
 // Lights. What is written as their color is explained in pov.h.
 #include "export/pov.h"
+#include "export/quantities.h"
 
 #include "schema/photometry.h"
 
@@ -11,26 +12,6 @@
 static const SceneNode *light_node(const Pov *pov, uint32_t light)
 {
     return scene_node(pov->e->scene, CATEGORY_LIGHT, light);
-}
-
-// A light's quantity times its color.
-static Rgb colored(const Pov *pov, uint32_t light, Quantity quantity)
-{
-    Rgb out = rgb_gray(0);
-    quantity_to_rgb(quantity, pov->e->scene->light_colors.items[light], &out);
-    return out;
-}
-
-// W/sr on the axis; `steradians` is power over intensity.
-static Rgb intensity_of(const Pov *pov, uint32_t light, double steradians)
-{
-    const SceneNode *node = light_node(pov, light);
-    Quantity power = export_quantity(pov->e, node, "power");
-    if (power.value > 0) { // one of the two is given, the other 0
-        power.value /= steradians;
-        return colored(pov, light, power);
-    }
-    return colored(pov, light, export_quantity(pov->e, node, "intensity"));
 }
 
 // --- Fading --------------------------------------------------------------------------------------
@@ -115,7 +96,7 @@ static void write_point(const Pov *pov, uint32_t light, const Affine *map)
 {
     const SceneNode *node = light_node(pov, light);
     Vec3 position = transform_point(map, export_vec3(pov->e, node, "position"));
-    begin_light(pov, position, intensity_of(pov, light, 4 * PI), fading_of(pov, node));
+    begin_light(pov, position, export_intensity(pov->e, light, 4 * PI), fading_of(pov, node));
     fputs("}\n\n", pov->e->out);
 }
 
@@ -160,36 +141,22 @@ static void write_filter(const Pov *pov, Vec3 position, Vec3 axis, double inner,
     fputs("\n}\n\n", out);
 }
 
-static double cone_steradians(double inner, double outer)
-{
-    // ∫ (1 - (θ - θ0)/Δ)² sin θ dθ from θ0 to θ1 = cos θ0 + 2 sin θ0/Δ - 2 (cos θ0 - cos θ1)/Δ²
-    double width = outer - inner;
-    double difference = 2 * sin((outer + inner) / 2) * sin(width / 2);
-    double soft = cos(inner) + 2 * (sin(inner) - difference / width) / width;
-    return 2 * PI * (2 * pow(sin(inner / 2), 2) + soft);
-}
-
 static void write_spot(const Pov *pov, uint32_t light, const Affine *map)
 {
     Export *e = pov->e;
     const SceneNode *node = light_node(pov, light);
-    Vec3 from = export_vec3(e, node, "position"), axis = export_vec3(e, node, "direction");
-    if (!(length_squared(axis) > 0)) {
-        axis = sub(export_vec3(e, node, "target"), from);
-    }
-    Vec3 position = transform_point(map, from);
-    axis = normalize(transform_vector(map, axis));
+    Vec3 position = transform_point(map, export_vec3(e, node, "position"));
+    Vec3 axis = normalize(transform_vector(map, export_spot_axis(e, node)));
     uint32_t id = export_id(e, node, "falloff");
     const SceneNode *falloff = id == NONE_ID ? NULL : scene_node(e->scene, CATEGORY_FALLOFF, id);
+    Rgb intensity = export_intensity(e, light, export_falloff_steradians(e, falloff));
     if (falloff && export_is(e, falloff, "cosine_lobe")) {
         double n = export_number(e, falloff, "exponent");
-        begin_light(pov, position, intensity_of(pov, light, 2 * PI / (n + 1)),
-                    fading_of(pov, node));
+        begin_light(pov, position, intensity, fading_of(pov, node));
         write_spot_cone(pov, position, axis, 90, n);
     } else if (falloff && export_is(e, falloff, "smooth_cone")) {
         double inner = export_number(e, falloff, "inner");
         double outer = export_number(e, falloff, "outer");
-        Rgb intensity = intensity_of(pov, light, cone_steradians(inner, outer));
         begin_light(pov, position, intensity, fading_of(pov, node));
         write_spot_cone(pov, position, axis, outer * 180 / PI, 0);
         write_filter(pov, position, axis, inner, outer);
@@ -199,14 +166,6 @@ static void write_spot(const Pov *pov, uint32_t light, const Affine *map)
 }
 
 // --- Directional ---------------------------------------------------------------------------------
-
-static Rgb irradiance_of(const Pov *pov, uint32_t light)
-{
-    Emission irradiance = export_emission(pov->e, light_node(pov, light), "irradiance");
-    Rgb out = rgb_gray(0);
-    emission_to_rgb(&irradiance, pov->e->scene->light_colors.items[light], &out);
-    return out;
-}
 
 static void write_directional(const Pov *pov, uint32_t light, const Affine *map)
 {
@@ -219,7 +178,7 @@ static void write_directional(const Pov *pov, uint32_t light, const Affine *map)
     }
     // Far enough for all that casts shadows to be before it.
     double distance = 100 * fmax(pov->radius, 10);
-    begin_light(pov, scale(travel, -distance), irradiance_of(pov, light), (Fading){1, 0, 0});
+    begin_light(pov, scale(travel, -distance), export_irradiance(pov->e, light), (Fading){1, 0, 0});
     fputs("  parallel point_at <0, 0, 0>\n}\n\n", pov->e->out);
 }
 
@@ -320,7 +279,7 @@ Rgb pov_area_radiance(const Pov *pov, uint32_t light)
             return rgb_gray(0);
         }
         power.value /= PI * lamp.area * (both ? 2 : 1);
-        return colored(pov, light, power);
+        return export_colored(pov->e, light, power);
     }
     Emission radiance = export_emission(e, node, "radiance");
     Rgb out = rgb_gray(0);
@@ -437,9 +396,9 @@ void pov_sum_ambient(Pov *pov)
         bool point = export_is(pov->e, node, "point_light");
         Fading fading = point ? fading_of(pov, node) : (Fading){0, 0, 2};
         if (export_is(pov->e, node, "directional_light")) {
-            pov->ambient_light = rgb_add(pov->ambient_light, irradiance_of(pov, id));
+            pov->ambient_light = rgb_add(pov->ambient_light, export_irradiance(pov->e, id));
         } else if (point && fading.power == 0) {
-            Rgb s = rgb_scale(intensity_of(pov, id, 4 * PI), (float)fading.factor);
+            Rgb s = rgb_scale(export_intensity(pov->e, id, 4 * PI), (float)fading.factor);
             pov->ambient_light = rgb_add(pov->ambient_light, s);
         } else if (!export_is(pov->e, node, "environment_light")) {
             pov->ambient_partial = true;

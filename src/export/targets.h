@@ -5,6 +5,7 @@
 #include "export/export.h"
 
 void povray_write(Export *e);
+void blender_write(Export *e);
 void json_write(Export *e);
 
 #endif
