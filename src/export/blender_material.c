@@ -138,9 +138,62 @@ static void write_image(const Blender *b, const SceneNode *node)
     blender_print(b, ")");
 }
 
+static void write_numbers(const Blender *b, NumberList list)
+{
+    for (uint32_t i = 0; i < list.count; ++i) {
+        blender_print(b, i ? ", " : "[");
+        blender_number(b, list.items[i]);
+    }
+    blender_print(b, list.count ? "]" : "[]");
+}
+
+static void write_gradient(const Blender *b, const SceneNode *node)
+{
+    Export *e = b->e;
+    NumberTex value = export_number_tex(e, node, "value");
+    RgbList colors = export_rgbs(e, node, "colors");
+    Vec3 from = export_vec3(e, node, "from"), to = export_vec3(e, node, "to");
+    bool has_value = value.texture != NONE_ID || value.value != 0;
+    blender_print(b, "n.gradient([");
+    for (uint32_t i = 0; i < colors.count; ++i) {
+        blender_print(b, i ? ", " : "");
+        blender_rgb(b, colors.items[i]);
+    }
+    blender_print(b, "], ");
+    write_numbers(b, export_numbers(e, node, "positions"));
+    blender_print(b, ", \"%s\", ", export_choice(e, node, "wrap"));
+    if (has_value) {
+        number_tex(b, value);
+    } else {
+        blender_print(b, "n.along(\"%s\", \"%s\", ", export_choice(e, node, "space"),
+                      export_choice(e, node, "form"));
+        blender_vec3(b, from);
+        blender_print(b, ", ");
+        blender_vec3(b, sub(to, from));
+        blender_print(b, ")");
+    }
+    blender_print(b, ")");
+}
+
+static void write_noise(const Blender *b, const SceneNode *node)
+{
+    note(b, node, "`noise` has no partner: Cycles' own noise is written, of about the same size");
+    blender_print(b, "n.noise(");
+    color_field(b, node, "a");
+    blender_print(b, ", ");
+    color_field(b, node, "b");
+    blender_print(b, ", \"%s\", ", export_choice(b->e, node, "space"));
+    blender_number(b, export_number(b->e, node, "scale"));
+    blender_print(b, ", %d)", (int)export_int(b->e, node, "octaves"));
+}
+
 static void write_texture(const Blender *b, const SceneNode *node)
 {
-    if (export_is(b->e, node, "checker")) {
+    if (export_is(b->e, node, "gradient")) {
+        write_gradient(b, node);
+    } else if (export_is(b->e, node, "noise")) {
+        write_noise(b, node);
+    } else if (export_is(b->e, node, "checker")) {
         write_checker(b, node);
     } else if (export_is(b->e, node, "image")) {
         write_image(b, node);
@@ -172,21 +225,11 @@ void blender_define_textures(const Blender *b)
     }
 }
 
+static bool uses_object_space(const Blender *b, const SceneNode *node, int depth);
+
 static bool texture_uses_object_space(const Blender *b, uint32_t texture, int depth)
 {
-    if (texture == NONE_ID || depth > 64) {
-        return false;
-    }
-    const SceneNode *node = texture_node(b, texture);
-    bool checker = export_is(b->e, node, "checker");
-    if (checker && strcmp(export_choice(b->e, node, "space"), "object") == 0) {
-        return true;
-    }
-    if (!checker && !export_is(b->e, node, "texture_math")) {
-        return false;
-    }
-    return texture_uses_object_space(b, export_color_tex(b->e, node, "a").texture, depth + 1) ||
-           texture_uses_object_space(b, export_color_tex(b->e, node, "b").texture, depth + 1);
+    return texture != NONE_ID && uses_object_space(b, texture_node(b, texture), depth + 1);
 }
 
 // --- Materials -----------------------------------------------------------------------------------
@@ -254,19 +297,9 @@ static void write_phong(const Blender *b, const SceneNode *node, bool half_vecto
     blender_print(b, ", distribution=\"ASHIKHMIN_SHIRLEY\"))");
 }
 
-static Rgb conductor_f0(Rgb eta, Rgb k)
+static bool is_set(ColorTex color)
 {
-    const float n[3] = {eta.r, eta.g, eta.b}, x[3] = {k.r, k.g, k.b};
-    float f[3];
-    for (int i = 0; i < 3; ++i) {
-        f[i] = ((n[i] - 1) * (n[i] - 1) + x[i] * x[i]) / ((n[i] + 1) * (n[i] + 1) + x[i] * x[i]);
-    }
-    return rgb(f[0], f[1], f[2]);
-}
-
-static bool is_set(Rgb color)
-{
-    return color.r > 0 || color.g > 0 || color.b > 0;
+    return color.texture != NONE_ID || color.value.r > 0 || color.value.g > 0 || color.value.b > 0;
 }
 
 static bool is_white(ColorTex color)
@@ -275,13 +308,19 @@ static bool is_white(ColorTex color)
            color.value.b >= 1;
 }
 
-static void write_conductor(const Blender *b, Rgb eta, Rgb k)
+// A metal's reflectance, at the surface's angle or (`normal`) along its normal.
+static void write_conductor(const Blender *b, const SceneNode *node, bool normal)
 {
     blender_print(b, "n.conductor(");
-    blender_rgb(b, eta);
+    color_field(b, node, "eta");
     blender_print(b, ", ");
-    blender_rgb(b, k);
-    blender_print(b, ")");
+    color_field(b, node, "k");
+    blender_print(b, normal ? ", 1.0)" : ", n.cosine())");
+}
+
+static bool is_metal(const Blender *b, const SceneNode *node)
+{
+    return is_set(export_color_tex(b->e, node, "eta")) || is_set(export_color_tex(b->e, node, "k"));
 }
 
 static void note_roughness(const Blender *b, const SceneNode *node, PairTex alpha)
@@ -304,22 +343,22 @@ static void write_ggx(const Blender *b, const SceneNode *node)
     Export *e = b->e;
     PairTex alpha = export_pair_tex(e, node, "alpha");
     ColorTex f0 = export_color_tex(e, node, "f0");
-    Rgb eta = export_rgb(e, node, "eta"), k = export_rgb(e, node, "k");
-    double ior = export_number(e, node, "ior");
+    NumberTex ior = export_number_tex(e, node, "ior");
     const char *fresnel = export_choice(e, node, "fresnel");
     bool smooth = alpha.texture == NONE_ID && fmax(alpha.value.x, alpha.value.y) < 1e-4;
-    bool metal = is_set(eta) || is_set(k), pair = is_pair(alpha);
+    bool metal = is_metal(b, node), pair = is_pair(alpha);
+    bool dielectric = !metal && (ior.value > 0 || ior.texture != NONE_ID);
     if (!smooth) {
         note_roughness(b, node, alpha);
     }
     bool preserve = export_choice(e, node, "energy")[0] == 'p';
     if (smooth && metal) {
         blender_print(b, "n.mirror(");
-        write_conductor(b, eta, k);
+        write_conductor(b, node, false);
         blender_print(b, ")");
         return;
     }
-    if (!metal && !(ior > 0) && is_white(f0)) {
+    if (!metal && !dielectric && is_white(f0)) {
         blender_print(b, smooth ? "n.mirror((1, 1, 1)" : "n.ggx((1, 1, 1), ");
         if (!smooth) {
             alpha_field(b, node);
@@ -330,12 +369,12 @@ static void write_ggx(const Blender *b, const SceneNode *node)
         blender_print(b, ")");
         return;
     }
-    if (ior > 0 && !metal) {
+    if (dielectric) {
         if (fresnel[0] == 's') {
             note(b, node, "Schlick's approximation has no partner: the exact formula is written");
         }
         blender_print(b, "n.ggx_ior(");
-        blender_number(b, ior);
+        number_tex(b, ior);
     } else {
         note(b, node,
              metal ? "a rough metal's exact reflectance has no partner: it rises from its value at "
@@ -344,7 +383,7 @@ static void write_ggx(const Blender *b, const SceneNode *node)
                      "white as that of glass does");
         blender_print(b, "n.ggx_tinted(");
         if (metal) {
-            blender_rgb(b, conductor_f0(eta, k));
+            write_conductor(b, node, true);
         } else {
             blender_color_tex(b, f0);
         }
@@ -360,10 +399,9 @@ static void write_ggx(const Blender *b, const SceneNode *node)
 
 static void write_mirror(const Blender *b, const SceneNode *node)
 {
-    Rgb eta = export_rgb(b->e, node, "eta"), k = export_rgb(b->e, node, "k");
     blender_print(b, "n.mirror(");
-    if (is_set(eta) || is_set(k)) {
-        write_conductor(b, eta, k);
+    if (is_metal(b, node)) {
+        write_conductor(b, node, false);
     } else {
         color_field(b, node, "color");
     }
@@ -460,9 +498,12 @@ static void write_layered(const Blender *b, const SceneNode *node)
 {
     uint32_t coat = export_id(b->e, node, "coat");
     const SceneNode *top = coat == NONE_ID ? NULL : material_node(b, coat);
-    double ior = top && (export_is(b->e, top, "fresnel") || export_is(b->e, top, "ggx"))
-                     ? export_number(b->e, top, "ior")
-                     : 0;
+    double ior = 0;
+    if (top && export_is(b->e, top, "fresnel")) {
+        ior = export_number(b->e, top, "ior");
+    } else if (top && export_is(b->e, top, "ggx")) {
+        ior = export_number_tex(b->e, top, "ior").value;
+    }
     note(b, node,
          "`layered` has no partner: the coat's reflection over the base is written, mixed by "
          "Fresnel's factor, without what is reflected between them or absorbed");
@@ -574,19 +615,15 @@ bool blender_is_glass(const Blender *b, uint32_t material)
     return material != NONE_ID && export_is(b->e, material_node(b, material), "fresnel");
 }
 
-// Any texture that any field of a material, or of its parts, may name.
-static bool uses_object_space(const Blender *b, uint32_t material, int depth)
+// Its own `space`, or any texture or material that any of its fields names.
+static bool uses_object_space(const Blender *b, const SceneNode *node, int depth)
 {
-    if (material == NONE_ID || depth > 64) {
-        return false;
-    }
-    const SceneNode *node = material_node(b, material);
     const NodeType *type = scene_node_type(b->e->scene, node);
     const char *params = scene_params(b->e->scene, node);
-    for (size_t i = 0; i < type->param_count; ++i) {
+    for (size_t i = 0; i < type->param_count && depth < 64; ++i) {
         const Param *param = &type->params[i];
         const void *value = params + param->offset;
-        uint32_t texture = NONE_ID;
+        uint32_t texture = NONE_ID, material = NONE_ID;
         if (param->type == PARAM_COLOR_TEX) {
             texture = ((const ColorTex *)value)->texture;
         } else if (param->type == PARAM_NUMBER_TEX) {
@@ -595,11 +632,14 @@ static bool uses_object_space(const Blender *b, uint32_t material, int depth)
             texture = ((const PairTex *)value)->texture;
         } else if (param->type == PARAM_EMISSION) {
             texture = ((const Emission *)value)->texture;
-        } else if (param->type == PARAM_NODE && param->category == CATEGORY_MATERIAL &&
-                   uses_object_space(b, *(const uint32_t *)value, depth + 1)) {
+        } else if (param->type == PARAM_NODE && param->category == CATEGORY_MATERIAL) {
+            material = *(const uint32_t *)value;
+        } else if (strcmp(param->name, "space") == 0 &&
+                   strcmp(export_choice(b->e, node, "space"), "object") == 0) {
             return true;
         }
-        if (texture_uses_object_space(b, texture, 0)) {
+        if (texture_uses_object_space(b, texture, depth) ||
+            (material != NONE_ID && uses_object_space(b, material_node(b, material), depth + 1))) {
             return true;
         }
     }
@@ -608,5 +648,5 @@ static bool uses_object_space(const Blender *b, uint32_t material, int depth)
 
 bool blender_uses_object_space(const Blender *b, uint32_t material)
 {
-    return uses_object_space(b, material, 0);
+    return material != NONE_ID && uses_object_space(b, material_node(b, material), 0);
 }

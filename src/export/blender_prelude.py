@@ -472,6 +472,9 @@ class Nodes:
         self.set(node.inputs[0], vector)
         return node.outputs
 
+    def channels(self, color):
+        return self.parts(color) if isinstance(color, bpy.types.NodeSocket) else color
+
     def join(self, x, y, z):
         return self.put("ShaderNodeCombineXYZ", {"X": x, "Y": y, "Z": z})
 
@@ -504,6 +507,35 @@ class Nodes:
             cells = self.math("ADD", cells, z)
         odd = self.math("MULTIPLY", self.math("FRACT", self.math("MULTIPLY", cells, 0.5)), 2.0)
         return self.blend(a, b, odd)
+
+    def along(self, space, form, start, axis):
+        """How far a point lies along an axis, or from its start."""
+        p = self.vector("SUBTRACT", self.coordinates(space), start)
+        if form == "radial":
+            return self.math("DIVIDE", self.vector("LENGTH", p, output="Value"),
+                             math.sqrt(dot(axis, axis)))
+        return self.math("DIVIDE", self.dot(p, axis), dot(axis, axis))
+
+    def gradient(self, colors, positions, wrap, t):
+        if wrap == "repeat":
+            t = self.math("FRACT", t)
+        elif wrap == "mirror":
+            t = self.math("PINGPONG", t, 1.0)
+        color = colors[0]
+        for i in range(1, len(colors)):
+            low, high = positions[i - 1], positions[i]
+            if high > low:
+                part = self.clamp(self.math("DIVIDE", self.math("SUBTRACT", t, low), high - low))
+            else:  # an edge
+                part = self.math("SUBTRACT", 1.0, self.math("LESS_THAN", t, high))
+            step = add(colors[i], colors[i - 1], -1)
+            color = self.vector("ADD", color, self.scaled(step, part))
+        return color
+
+    def noise(self, a, b, space, scale, octaves):
+        value = self.put("ShaderNodeTexNoise", {"Vector": self.coordinates(space), "Scale": scale,
+                                                "Detail": octaves - 1.0}, "Fac")
+        return self.blend(a, b, value)
 
     def blend(self, a, b, weight):
         keep = self.math("SUBTRACT", 1.0, weight)
@@ -653,9 +685,8 @@ class Nodes:
 
     def ggx_ior(self, ior, alpha, rotation=0.0, distribution="GGX"):
         """Exact Fresnel in every microfacet: the Principled shader's specular lobe."""
-        f0 = ((ior - 1) / (ior + 1)) ** 2
         if "Specular" in self.node_inputs("ShaderNodeBsdfPrincipled"):
-            inputs = {"Specular": f0 / 0.08}
+            inputs = {"Specular": self.math("DIVIDE", self.f0(ior), 0.08)}
         else:
             inputs = {"IOR": ior, "Specular IOR Level": 0.5}
         return self.principled_ggx({"Base Color": (0, 0, 0), **inputs}, alpha, rotation,
@@ -673,21 +704,25 @@ class Nodes:
         self.tree.nodes.remove(node)
         return names
 
-    def conductor(self, eta, k):
-        """A metal's exact reflectance at the angle to the surface's normal."""
-        c = self.cosine()
-        c2 = self.math("MULTIPLY", c, c)
+    def f0(self, ior):
+        root = self.math("DIVIDE", self.math("SUBTRACT", ior, 1.0), self.math("ADD", ior, 1.0))
+        return self.math("MULTIPLY", root, root)
+
+    def conductor(self, eta, k, cosine):
+        """A metal's exact reflectance, by Fresnel's equations for a complex index."""
+        c2 = self.math("MULTIPLY", cosine, cosine)
         s2 = self.math("SUBTRACT", 1.0, c2)
         channels = []
-        for n, x in zip(eta, k):
-            # Fresnel's equations for a complex index: t0 = n^2 - k^2 - s^2, …
-            t0 = self.math("SUBTRACT", n * n - x * x, s2)
-            root = self.math("SQRT", self.math("ADD", self.math("MULTIPLY", t0, t0),
-                                               4 * n * n * x * x))
+        for n, x in zip(self.channels(eta), self.channels(k)):
+            n2, x2 = self.math("MULTIPLY", n, n), self.math("MULTIPLY", x, x)
+            t0 = self.math("SUBTRACT", self.math("SUBTRACT", n2, x2), s2)
+            root = self.math("SQRT", self.math(
+                "ADD", self.math("MULTIPLY", t0, t0),
+                self.math("MULTIPLY", self.math("MULTIPLY", n2, x2), 4.0)))
             a = self.math("SQRT", self.math("MAXIMUM", self.math(
                 "MULTIPLY", self.math("ADD", root, t0), 0.5), 0.0))
             t1 = self.math("ADD", root, c2)
-            t2 = self.math("MULTIPLY", self.math("MULTIPLY", a, c), 2.0)
+            t2 = self.math("MULTIPLY", self.math("MULTIPLY", a, cosine), 2.0)
             rs = self.math("DIVIDE", self.math("SUBTRACT", t1, t2), self.math("ADD", t1, t2))
             t3 = self.math("ADD", self.math("MULTIPLY", c2, root), self.math("MULTIPLY", s2, s2))
             t4 = self.math("MULTIPLY", t2, s2)

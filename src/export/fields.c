@@ -41,6 +41,8 @@ GETTER(export_vec2, Vec2, PARAM_VEC2, PARAM_PAIR, NONE)
 GETTER(export_vec3, Vec3, PARAM_VEC3, PARAM_VEC3, NONE)
 GETTER(export_rgb, Rgb, PARAM_COLOR, PARAM_COLOR, NONE)
 GETTER(export_quantity, Quantity, PARAM_QUANTITY, PARAM_QUANTITY, NONE)
+GETTER(export_numbers, NumberList, PARAM_NUMBER_LIST, PARAM_NUMBER_LIST, NONE)
+GETTER(export_rgbs, RgbList, PARAM_COLOR_LIST, PARAM_COLOR_LIST, NONE)
 GETTER(export_id, uint32_t, PARAM_NODE, PARAM_NODE, NONE_ID)
 
 NumberTex export_number_tex(Export *e, const SceneNode *node, const char *field)

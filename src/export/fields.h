@@ -19,6 +19,8 @@ NumberTex export_number_tex(Export *e, const SceneNode *node, const char *field)
 PairTex export_pair_tex(Export *e, const SceneNode *node, const char *field);
 ColorTex export_color_tex(Export *e, const SceneNode *node, const char *field);
 const char *export_file(Export *e, const SceneNode *node, const char *field);
+NumberList export_numbers(Export *e, const SceneNode *node, const char *field);
+RgbList export_rgbs(Export *e, const SceneNode *node, const char *field);
 uint32_t export_id(Export *e, const SceneNode *node, const char *field);
 // The text of a choice; "" for none.
 const char *export_choice(Export *e, const SceneNode *node, const char *field);

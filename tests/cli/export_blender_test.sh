@@ -8,6 +8,7 @@ camera { position: (0, 1, 5), look_at: (0, 0, 0), aperture: 0.01, name: "a \"quo
 let wood = lambert { color: checker { scale: 2, a: gray(0.7) } * 0.5 }
 sphere { material: burley { color: #c0392b }, name: "ball" }
 sphere { material: lambert { color: checker { space: "object" } } }
+sphere { material: lambert { color: gradient { colors: [gray(0), gray(1)], value: noise {} } } }
 box { size: (1, 1, 1), material: ggx { f0: gray(1), alpha: (0.1, 0.3) } }
 plane { material: wood }
 disc { material: ggx { ior: 1.5, alpha: 0.4 } }
@@ -36,7 +37,7 @@ expect_code 0
 expect_text err 'for Blender 3.4:'
 expect_text err 'all.scn:5:1'
 expect_text err 'within 1.6e-4 radii of the surface'
-expect_text err 'all.scn:8:1'
+expect_text err 'all.scn:9:1'
 expect_text err '`plane` has no end'
 expect_text err '`priority` has no partner'
 expect_text err 'the highlight of `phong` has no partner'
@@ -45,8 +46,8 @@ expect_text err 'the tent filter has no partner'
 run export --to blender all.scn -q
 expect_code 0
 expect_empty err
-for text in '# What has no exact partner:' '#   all.scn:8: `plane` has no end' 'import bpy' 'n.burley(' \
-    'n.ggx((1, 1, 1), (0.1, 0.3), 0)' 'n.ggx_ior(1.5, 0.4' 'n.conductor(' 'n.mask(' 'absorption=(1, 2, 3)' \
+for text in '# What has no exact partner:' '#   all.scn:9: `plane` has no end' 'import bpy' 'n.burley(' \
+    'n.ggx((1, 1, 1), (0.1, 0.3), 0)' 'n.ggx_ior(1.5, 0.4' 'n.gradient([(0, 0, 0), (1, 1, 1)], [0, 1], ' 'n.noise(' 'n.conductor(' 'n.mask(' 'absorption=(1, 2, 3)' \
     'n.two_sided(material_' 'n.window(1, 4)' 'n.polynomial(1, 1, 1)' 'n.cosine_lobe(3)' \
     'n.smooth_cone(' 'n.photometric(web, 200' 'radiance_of(' '# sphere "ball", all.scn:5' 'film(32, 20, ' \
     'instance(prototype_1, ' '"a \"quoted\" name"'; do
