@@ -236,6 +236,11 @@ static inline bool box3_is_empty(Box3 b)
 {
     return !(b.min.x <= b.max.x && b.min.y <= b.max.y && b.min.z <= b.max.z);
 }
+static inline bool box3_equal(Box3 a, Box3 b)
+{
+    return a.min.x == b.min.x && a.min.y == b.min.y && a.min.z == b.min.z && a.max.x == b.max.x &&
+           a.max.y == b.max.y && a.max.z == b.max.z;
+}
 static inline Vec3 box3_center(Box3 b)
 {
     return scale(add(b.min, b.max), 0.5);

@@ -38,13 +38,9 @@ static void print_main(void)
         printf("  %-19s %s\n", left, command_infos[i].text);
     }
     puts("\nThe picture stands beside the scene under its name, or where -o says; FILE `-`\n"
-         "is the standard input. The most used options:");
-    static const OptionId most_used[] = {OPTION_OUTPUT, OPTION_SAMPLES, OPTION_SET};
-    for (size_t i = 0; i < sizeof most_used / sizeof most_used[0]; ++i) {
-        print_option(&option_infos[most_used[i]]);
-    }
-    puts("\nExit status: 0 done, 1 the scene has errors, 2 wrong use, 3 a file can't be\n"
-         "read or written, 4 out of memory, 130 interrupted (what was done is written).");
+         "is the standard input. Often used: -o FILE, --samples N, --size WxH, --set X=1.\n"
+         "Exit status: 0 done, 1 a scene has errors or fails its test, 2 wrong use, 3 a\n"
+         "file can't be read or written, 4 out of memory, 130 interrupted.");
 }
 
 static void print_limits(void)

@@ -36,6 +36,8 @@ static int run(const Options *options)
         return command_watch(options);
     case COMMAND_CHECK:
         return command_check(options);
+    case COMMAND_TEST:
+        return command_test(options);
     case COMMAND_LIGHTS:
         return command_lights(options);
     case COMMAND_PARAMS:

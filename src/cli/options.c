@@ -12,7 +12,8 @@
 #define ON(command) (1u << COMMAND_##command)
 #define ON_ALL      (~0u)
 #define ON_PICTURES (ON(RENDER) | ON(WATCH))
-#define ON_SCENES   (ON(RENDER) | ON(WATCH) | ON(CHECK) | ON(LIGHTS) | ON(PARAMS) | ON(EXPORT))
+#define ON_SCENES                                                                                  \
+    (ON(RENDER) | ON(WATCH) | ON(CHECK) | ON(TEST) | ON(LIGHTS) | ON(PARAMS) | ON(EXPORT))
 
 const CommandInfo command_infos[COMMAND_COUNT] = {
 #define COMMAND(id, name, operand, fewest, most, text)                                             \
@@ -327,6 +328,9 @@ static bool take(Parser *parser, OptionId id, const char *text)
         good = take_word(parser, id, text, stages, "tokens, ast or scene", &word);
         options->dump = (Dump)(DUMP_TOKENS + word);
         return good;
+    case OPTION_JSON:
+        options->json_report = true;
+        return true;
     case OPTION_SET:
         return take_setting(parser, text);
     case OPTION_LIMIT:
@@ -414,7 +418,7 @@ static bool parse_letter(Parser *parser, char **argv, int argc, int *at, const c
 typedef struct Words {
     const char **operands;
     int count;
-    unsigned given; // bit of each option
+    uint64_t given; // bit of each option
 } Words;
 
 static bool parse_words(Parser *parser, int argc, char **argv, Words *words)
@@ -432,14 +436,14 @@ static bool parse_words(Parser *parser, int argc, char **argv, Words *words)
                 !take(parser, id, argument)) {
                 return false;
             }
-            words->given |= 1u << id;
+            words->given |= UINT64_C(1) << id;
         } else {
             for (const char *letter = word + 1; *letter;) {
                 if (!parse_letter(parser, argv, argc, &at, &letter, &id, &argument) ||
                     !take(parser, id, argument)) {
                     return false;
                 }
-                words->given |= 1u << id;
+                words->given |= UINT64_C(1) << id;
             }
         }
     }
@@ -485,7 +489,8 @@ static bool choose_command(Parser *parser, Words *words)
     options->operands = words->operands;
     options->operand_count = (size_t)words->count;
     for (int id = 0; id < OPTION_COUNT; ++id) {
-        if (words->given & 1u << id && !(option_infos[id].commands & 1u << options->command)) {
+        if (words->given & UINT64_C(1) << id &&
+            !(option_infos[id].commands & 1u << options->command)) {
             return wrong(parser, "`%s` doesn't take `--%s`", info->name, option_infos[id].name);
         }
     }

@@ -54,6 +54,7 @@ typedef struct Options {
     bool check, diff;           // of fmt
     uint16_t port;              // of watch; 0: any
     bool poll;                  // of watch
+    bool json_report;           // --json
     Vec3 at;                    // --at
     const ExportTarget *target; // --to, --for; or NULL
     const char *const *aovs;    // names

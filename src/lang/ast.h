@@ -31,6 +31,9 @@ typedef uint32_t AstId; // index into Ast.nodes; 0 is none
     AST(FOR, "a: symbol, b: extra -> {name_begin, name_end, sequence, body}")                      \
     AST(IF, "a: condition, b: extra -> {then, else or 0}; as item (BLOCKs) or expression")         \
     AST(EMIT, "a: expression standing as a statement")                                             \
+    AST(EXPECT, "a: what is expected to hold, b: extra -> {0, 0, record}; or, with `within`, a: "  \
+                "value, b: extra -> {tolerance, target, record}, aux 1: a percentage; record is "  \
+                "the evaluator's own")                                                             \
     AST(BLOCK, "a: list of items")                                                                 \
     /* expressions */                                                                              \
     AST(NUMBER, "payload: double as written; aux: index of the unit + 1 in schema_units, 0 none")  \

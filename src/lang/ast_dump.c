@@ -177,6 +177,11 @@ static void dump_inner(const Dumper *d, const AstNode *node, int depth)
     case AST_EMIT:
         dump_words(d, pair, 1, depth);
         break;
+    case AST_EXPECT:
+        dump_words(d, pair, 1, depth);
+        fputs(node->aux ? " %" : "", d->out);
+        dump_words(d, d->ast->extra.items + node->b, 3, depth);
+        break;
     case AST_INDEX:
         dump_words(d, pair, 3, depth);
         break;

@@ -46,6 +46,7 @@ static bool equal_payload(Pair p, const AstNode *a, const AstNode *b)
     case AST_FOR:
         return a->a == b->a && equal_words(p, a->b, b->b, 1 << 2 | 1 << 3);
     case AST_IF:
+    case AST_EXPECT:
         return a->a == b->a && equal_words(p, a->b, b->b, 1 | 1 << 1);
     default:
         return a->a == b->a && a->b == b->b;

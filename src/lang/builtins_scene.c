@@ -303,10 +303,56 @@ static BoundsResult add_bounds(Eval *ev, const NodeValue *node, const Affine *ou
     return BOUNDS_GOOD;
 }
 
+static Value make_bounds(Eval *ev, Box3 box)
+{
+    Box3 *copy = arena_alloc(ev->arena, sizeof *copy);
+    *copy = box;
+    return (Value){.type = VALUE_BOUNDS, .bounds = copy};
+}
+
+static Value bounds_between(Call *call)
+{
+    Box3 box;
+    if (!arg_vec3(call, 0, &box.min) || !arg_vec3(call, 1, &box.max)) {
+        return value_error();
+    }
+    for (uint32_t i = 0; i < 2; ++i) {
+        if (!is_length(call->args[i].dim)) {
+            return arg_wrong(call, i, "lengths");
+        }
+    }
+    if (box3_is_empty(box)) {
+        return fail(report(call->ev, E0404, call->at,
+                           "no coordinate of the first corner may be above the second's"));
+    }
+    return make_bounds(call->ev, box);
+}
+
+Value builtin_contains(Call *call)
+{
+    Value outer = call->args[0], x = call->args[1];
+    if (outer.type != VALUE_BOUNDS) {
+        return arg_wrong(call, 0, "bounds");
+    }
+    Box3 inner;
+    if (x.type == VALUE_BOUNDS) {
+        inner = *x.bounds;
+    } else if (x.type == VALUE_VECTOR && x.small == 3 && is_length(x.dim)) {
+        const double *c = x.components;
+        inner.min = inner.max = vec3(c[0], c[1], c[2]);
+    } else {
+        return arg_wrong(call, 1, "a point or bounds");
+    }
+    return value_bool(box3_equal(box3_union(*outer.bounds, inner), *outer.bounds));
+}
+
 Value builtin_bounds(Call *call)
 {
     Eval *ev = call->ev;
     Value v = call->args[0];
+    if (call->count == 2) {
+        return bounds_between(call);
+    }
     if (v.type != VALUE_NODE || ev->kinds[v.node->type].type->category != CATEGORY_SHAPE) {
         return arg_wrong(call, 0, "a shape");
     }
@@ -323,9 +369,7 @@ Value builtin_bounds(Call *call)
                                                       "is no box around it"
                                                     : "there is no shape in this"));
     }
-    Box3 *copy = arena_alloc(ev->arena, sizeof *copy);
-    *copy = box;
-    return (Value){.type = VALUE_BOUNDS, .bounds = copy};
+    return make_bounds(ev, box);
 }
 
 // --- Noise and random numbers ----------------------------------------------------------------

@@ -266,10 +266,11 @@ void text_add_value(Eval *ev, TextBuffer *out, Value v, bool quoted)
         break;
     case VALUE_BOUNDS: {
         Vec3 a = v.bounds->min, b = v.bounds->max;
-        text_add(ev, out, "bounds ");
+        text_add(ev, out, "bounds(");
         add_components(ev, out, (Value){.type = VALUE_VECTOR, .small = 3, .components = &a.x});
-        text_add(ev, out, " to ");
+        text_add(ev, out, ", ");
         add_components(ev, out, (Value){.type = VALUE_VECTOR, .small = 3, .components = &b.x});
+        text_add(ev, out, ")");
         break;
     }
     default:

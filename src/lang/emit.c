@@ -485,6 +485,9 @@ static void run_item(Eval *ev, Env *env, AstId id)
     case AST_FOR:
         run_for(ev, env, id);
         break;
+    case AST_EXPECT:
+        run_expect(ev, env, id);
+        break;
     case AST_IF:
     case AST_BLOCK:
         emit_expression(ev, env, id);

@@ -117,6 +117,23 @@ static Value eval_name(Eval *ev, Env *env, AstId id)
     }
 }
 
+Value peek_name(const Eval *ev, Env *env, AstId id)
+{
+    const AstNode *node = env_node(env, id);
+    if (node->tag == AST_MEMBER && node->op == MEMBER_GLOBAL) {
+        return ev->modules.items[node->aux]->env->slots[node->b];
+    }
+    switch (node->tag == AST_NAME ? (NameKind)node->op : NAME_BAD) {
+    case NAME_VARIABLE:
+    case NAME_LET:
+        return env_up(env, node->aux)->slots[node->a];
+    case NAME_GLOBAL:
+        return env->module->env->slots[node->a];
+    default:
+        return (Value){0};
+    }
+}
+
 static Value eval_global_member(Eval *ev, const AstNode *node)
 {
     Module *module = ev->modules.items[node->aux];

@@ -284,6 +284,8 @@ Value make_string(Eval *ev, Str text, uint32_t module);
 Value add_values(Eval *ev, Value a, Value b, Span at);
 // -1, 0, 1; or 2 where they can't be ordered.
 int compare_values(Value a, Value b);
+// `a op b` for == != < <= > >=: a bool, or an error.
+Value compare_operands(Eval *ev, Operator op, Value a, Value b, Span at);
 bool values_equal(Eval *ev, Value a, Value b, Span at);
 
 // describe.c
@@ -312,6 +314,16 @@ void leave_call(Eval *ev);
 // Calls any function value; `at` for the chain.
 Value call_value(Eval *ev, Value function, const Value *args, uint32_t count, Span at);
 AstId fn_body(const Module *module, AstId fn);
+
+// What a NAME or `namespace.name` stands for, where that is known already: VALUE_UNSET where it
+// isn't.
+Value peek_name(const Eval *ev, Env *env, AstId id);
+
+// expect.c
+// Runs an EXPECT: keeps in the scene whether it is met, and warns where it isn't.
+void run_expect(Eval *ev, Env *env, AstId id);
+// Keeps those of a file, too, that were never run.
+void keep_unrun_expectations(Eval *ev, Module *module);
 
 // emit.c
 void run_items(Eval *ev, Env *env, const uint32_t *items, uint32_t count);

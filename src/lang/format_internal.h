@@ -40,6 +40,7 @@ typedef struct Atom {
     bool comma;           // a comma followed in the source
     bool element;         // begins an element that isn't the first of its group
     bool binary, unary;   // operators
+    bool of;              // the word `of` behind `within`
     bool condition;       // ( behind `if` and `for`
     bool several;         // opening brackets: more than one element
     bool broken;          // opening brackets: their contents stand on lines of their own

@@ -11,6 +11,7 @@ static bool ends_operand(const Formatter *f, uint32_t i)
     const Atom *atom = &f->atoms.items[i];
     switch (atom->kind) {
     case TOKEN_NAME:
+        return !atom->of;
     case TOKEN_NUMBER:
     case TOKEN_STRING:
     case TOKEN_COLOR:
@@ -29,19 +30,49 @@ static bool ends_operand(const Formatter *f, uint32_t i)
 static bool may_begin_item(const Atom *atom)
 {
     return atom->kind == TOKEN_NAME || atom->kind == TOKEN_LET || atom->kind == TOKEN_FN ||
-           atom->kind == TOKEN_FOR || atom->kind == TOKEN_IF || atom->kind == TOKEN_PARAM ||
-           atom->kind == TOKEN_IMPORT;
+           atom->kind == TOKEN_FOR || atom->kind == TOKEN_IF || atom->kind == TOKEN_EXPECT ||
+           atom->kind == TOKEN_PARAM || atom->kind == TOKEN_IMPORT;
+}
+
+// Whether `of` at atom i belongs to a `within` before it in the same element.
+static bool is_of(const Formatter *f, uint32_t i)
+{
+    const Atom *atom = &f->atoms.items[i];
+    if (atom->kind != TOKEN_NAME ||
+        !str_equal((Str){f->text + atom->begin, atom->end - atom->begin}, STR("of"))) {
+        return false;
+    }
+    for (uint32_t k = i; k-- > 0;) {
+        const Atom *before = &f->atoms.items[k];
+        if (atom_closes(before)) {
+            k = before->match;
+            before = &f->atoms.items[k];
+        } else if (atom_opens(before) || before->of) {
+            return false;
+        }
+        if (before->kind == TOKEN_WITHIN || before->element) {
+            return before->kind == TOKEN_WITHIN;
+        }
+    }
+    return false;
+}
+
+static bool is_percent(const Formatter *f, uint32_t i)
+{
+    uint32_t next = format_token_from(f, i + 1);
+    return next < f->atoms.count && is_of(f, next);
 }
 
 static bool is_binary(const Formatter *f, uint32_t previous, const Atom *atom)
 {
     switch (atom->kind) {
+    case TOKEN_PERCENT:
+        return !is_percent(f, (uint32_t)(atom - f->atoms.items));
     case TOKEN_MINUS:
         return ends_operand(f, previous) && !f->atoms.items[previous].comma;
     case TOKEN_PLUS:
     case TOKEN_STAR:
     case TOKEN_SLASH:
-    case TOKEN_PERCENT:
     case TOKEN_CARET:
     case TOKEN_EQUAL:
     case TOKEN_NOT_EQUAL:
@@ -61,7 +92,7 @@ static bool is_binary(const Formatter *f, uint32_t previous, const Atom *atom)
 
 static bool begins_element(const Formatter *f, uint32_t previous, const Atom *atom)
 {
-    if (previous == ATOM_NONE || previous == atom->group || atom_closes(atom)) {
+    if (previous == ATOM_NONE || previous == atom->group || atom_closes(atom) || atom->of) {
         return false;
     }
     return format_is_brace(f, atom->group) ? may_begin_item(atom) && ends_operand(f, previous)
@@ -93,6 +124,8 @@ static GapClass inner_gap(const Formatter *f, uint32_t previous, const Atom *ato
         keep = atom->group == ATOM_NONE || !f->atoms.items[atom->group].condition;
     } else if (before->kind == TOKEN_ELSE) {
         keep = atom->kind != TOKEN_LEFT_BRACE && atom->kind != TOKEN_IF;
+    } else if (atom->kind == TOKEN_WITHIN || atom->of) {
+        keep = true;
     } else if (before->kind == TOKEN_RIGHT_PAREN) {
         keep = atom->binary || atom->kind == TOKEN_WITH ||
                (!ends_operand(f, previous) && atom->kind != TOKEN_LEFT_BRACE);
@@ -130,6 +163,7 @@ static bool ends_sum(const Atom *atom)
     return (atom->binary && !is_arithmetic(atom)) || atom->kind == TOKEN_ASSIGN ||
            atom->kind == TOKEN_COLON || atom->kind == TOKEN_NOT || atom->kind == TOKEN_IN ||
            atom->kind == TOKEN_IF || atom->kind == TOKEN_ELSE || atom->kind == TOKEN_FOR ||
+           atom->kind == TOKEN_EXPECT || atom->kind == TOKEN_WITHIN || atom->of ||
            atom->kind == TOKEN_LET || atom->kind == TOKEN_PARAM || atom->kind == TOKEN_FN;
 }
 
@@ -195,8 +229,8 @@ static bool wants_space(const Formatter *f, uint32_t i, uint32_t previous)
     if (is_range(before)) {
         return has_long_ends(f, i - 1);
     }
-    return !(before->unary || atom->kind == TOKEN_COLON || atom->kind == TOKEN_DOT ||
-             before->kind == TOKEN_DOT ||
+    return !(before->unary || (atom->kind == TOKEN_PERCENT && !atom->binary) ||
+             atom->kind == TOKEN_COLON || atom->kind == TOKEN_DOT || before->kind == TOKEN_DOT ||
              (before->kind == TOKEN_LEFT_BRACE && atom->kind == TOKEN_RIGHT_BRACE));
 }
 
@@ -232,6 +266,7 @@ static void find_elements(Formatter *f)
         if (atom_is_comment(atom)) {
             continue;
         }
+        atom->of = is_of(f, i);
         atom->binary = is_binary(f, previous, atom);
         atom->unary = atom->kind == TOKEN_MINUS && !atom->binary;
         atom->element = begins_element(f, previous, atom);

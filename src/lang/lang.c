@@ -268,6 +268,9 @@ static void evaluate(Eval *ev, const Run *run)
     emit_file(ev, module);
     force_globals(ev, module, AST_LET);
     keep_params(ev, module);
+    if (ev->lang->testing) {
+        keep_unrun_expectations(ev, module);
+    }
     check_pixels(ev);
     ev->scene->hash = hash_scene(ev);
     ev->scene->camera = ev->scene->nodes[CATEGORY_CAMERA].count ? 0 : NONE_ID;

@@ -55,6 +55,9 @@ typedef struct Lang {
     // Where lang_load writes the params, too, as lang_params_json does, once their values are
     // known; NULL: nowhere.
     FILE *params_to;
+    // What isn't met of what the scene expects is not warned of, and what was never run of it is
+    // kept, too.
+    bool testing;
     // The text that stands for the file at `given_path` (standard input); NULL: none. Not owned.
     const char *given_path;
     Str given_text;

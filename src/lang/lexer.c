@@ -244,7 +244,8 @@ static inline bool skip_blanks(Lexer *lexer)
     }
 }
 
-char lexer_peek(const Lexer *lexer)
+// Where the next token begins, or the end.
+static const char *next_begin(const Lexer *lexer)
 {
     const char *at = lexer->at, *end = lexer->end;
     for (;;) {
@@ -252,13 +253,28 @@ char lexer_peek(const Lexer *lexer)
             ++at;
         }
         if (end - at < 2 || at[0] != '/' || (at[1] != '/' && at[1] != '*')) {
-            return at < end ? *at : '\0';
+            return at;
         }
         at = at[1] == '/' ? line_comment_end(at, end) : block_comment_end(at, end);
         if (!at) {
-            return '\0';
+            return end;
         }
     }
+}
+
+char lexer_peek(const Lexer *lexer)
+{
+    const char *at = next_begin(lexer);
+    return at < lexer->end ? *at : '\0';
+}
+
+bool lexer_peek_word(const Lexer *lexer, Str word)
+{
+    const char *at = next_begin(lexer), *end = at;
+    while (end < lexer->end && char_is(*end, CHAR_LETTER | CHAR_DIGIT)) {
+        ++end;
+    }
+    return str_equal((Str){at, (size_t)(end - at)}, word);
 }
 
 // --- Names ---------------------------------------------------------------------------------------

@@ -17,6 +17,7 @@
     KEYWORD(PARAM, "param")                                                                        \
     KEYWORD(LET, "let")                                                                            \
     KEYWORD(FN, "fn")                                                                              \
+    KEYWORD(EXPECT, "expect")                                                                      \
     KEYWORD(FOR, "for")                                                                            \
     KEYWORD(IN, "in")                                                                              \
     KEYWORD(IF, "if")                                                                              \
@@ -24,6 +25,7 @@
     KEYWORD(TRUE, "true")                                                                          \
     KEYWORD(FALSE, "false")                                                                        \
     KEYWORD(WITH, "with")                                                                          \
+    KEYWORD(WITHIN, "within")                                                                      \
     KEYWORD(AND, "and")                                                                            \
     KEYWORD(OR, "or")                                                                              \
     KEYWORD(NOT, "not")
@@ -120,6 +122,8 @@ void lexer_next(Lexer *lexer, Token *token);
 
 // The character that follows the last token, blanks and comments skipped; 0 at the end.
 char lexer_peek(const Lexer *lexer);
+// Whether the word follows there.
+bool lexer_peek_word(const Lexer *lexer, Str word);
 
 // The unit written [at, at + length): an index into schema_units + 1, or 0.
 uint16_t lexer_find_unit(const Lexer *lexer, const char *at, size_t length);

@@ -155,9 +155,26 @@ static uint32_t import_file(Eval *ev, Module *module, AstId item)
     return imported->number + 1;
 }
 
-static bool emits(const AstNode *node)
+// Whether an item, or one in the blocks of a `for` or `if`, emits something. Expectations don't.
+static bool emits(const Ast *ast, AstId item)
 {
-    return node->tag == AST_EMIT || node->tag == AST_FOR || node->tag == AST_IF;
+    const AstNode *node = ast_node(ast, item);
+    bool found = false;
+    switch ((AstTag)node->tag) {
+    case AST_EMIT:
+        return true;
+    case AST_FOR:
+        return emits(ast, ast->extra.items[node->b + 3]);
+    case AST_IF:
+        return emits(ast, ast->extra.items[node->b]) || emits(ast, ast->extra.items[node->b + 1]);
+    case AST_BLOCK:
+        for (uint32_t i = 0; i < ast_list_count(ast, node->a) && !found; ++i) {
+            found = emits(ast, ast_list_items(ast, node->a)[i]);
+        }
+        return found;
+    default:
+        return false;
+    }
 }
 
 // An import gives names only: what the file itself would emit is left out, and that is said.
@@ -172,7 +189,7 @@ static void warn_of_items(Eval *ev, const Module *module, AstId import)
     uint32_t list = ast->nodes.items[ast->root].a;
     for (uint32_t i = 0; i < ast_list_count(ast, list); ++i) {
         AstId item = ast_list_items(ast, list)[i];
-        if (emits(&ast->nodes.items[item])) {
+        if (emits(ast, item)) {
             Place place =
                 source_place(&ev->lang->sources, imported->file, ast->nodes.items[item].begin);
             Diag *diag = report(ev, W0601, ast_span(&module->ast, import),

@@ -301,6 +301,8 @@ bool values_equal(Eval *ev, Value a, Value b, Span at)
                a.components[3] == b.components[3];
     case VALUE_TRANSFORM:
         return memcmp(a.transform, b.transform, sizeof *a.transform) == 0;
+    case VALUE_BOUNDS:
+        return box3_equal(*a.bounds, *b.bounds);
     case VALUE_NODE:
         return a.node == b.node;
     default:
@@ -310,8 +312,7 @@ bool values_equal(Eval *ev, Value a, Value b, Span at)
 
 static bool can_be_equal(Value v)
 {
-    return v.type != VALUE_FUNCTION && v.type != VALUE_BUILTIN && v.type != VALUE_NODE &&
-           v.type != VALUE_BOUNDS;
+    return v.type != VALUE_FUNCTION && v.type != VALUE_BUILTIN && v.type != VALUE_NODE;
 }
 
 static Value equality(Eval *ev, Operator op, Value a, Value b, Span at)
@@ -338,6 +339,12 @@ static Value ordering(Eval *ev, Operator op, Value a, Value b, Span at)
                       : op == OP_LESS_EQUAL ? order <= 0
                       : op == OP_GREATER    ? order > 0
                                             : order >= 0);
+}
+
+Value compare_operands(Eval *ev, Operator op, Value a, Value b, Span at)
+{
+    return op == OP_EQUAL || op == OP_NOT_EQUAL ? equality(ev, op, a, b, at)
+                                                : ordering(ev, op, a, b, at);
 }
 
 // --- Evaluation of the nodes -----------------------------------------------------------------
@@ -379,12 +386,11 @@ Value eval_binary(Eval *ev, Env *env, AstId id)
     switch (op) {
     case OP_EQUAL:
     case OP_NOT_EQUAL:
-        return equality(ev, op, a, b, env_span(env, id));
     case OP_LESS:
     case OP_LESS_EQUAL:
     case OP_GREATER:
     case OP_GREATER_EQUAL:
-        return ordering(ev, op, a, b, env_span(env, id));
+        return compare_operands(ev, op, a, b, env_span(env, id));
     default:
         return arithmetic(ev, op, a, b, (Where){env->module, id});
     }

@@ -66,13 +66,20 @@ static void report_chained(Parser *p, Binary binary)
                                            : "write `a < b and b < c`");
 }
 
+// Whether the operator at hand is the `%` of a tolerance: `within 1% of b`.
+static bool at_percent(const Parser *p)
+{
+    return parse_at(p, TOKEN_PERCENT) && p->tolerance == p->nesting &&
+           lexer_peek_word(&p->lexer, STR("of"));
+}
+
 // The operators that bind at least as tightly as `least`, behind an operand.
 static AstId parse_operators(Parser *p, AstId left, uint32_t begin, int least)
 {
     int before = POWER_NONE;
     while (!p->panicking) {
         Binary binary = binaries[p->token.kind];
-        if (binary.power == POWER_NONE || binary.power < least) {
+        if (binary.power == POWER_NONE || binary.power < least || at_percent(p)) {
             break;
         }
         if (binary.power == before &&
@@ -470,6 +477,23 @@ static AstId parse_binary(Parser *p, int least)
     uint32_t begin = p->token.begin;
     AstId left = parse_operand(p, least);
     return parse_operators(p, left, begin, least);
+}
+
+AstId parse_tolerance(Parser *p, bool *percent)
+{
+    AstId value = 0;
+    if (parse_enter(p)) {
+        uint32_t outer = p->tolerance;
+        p->tolerance = p->nesting;
+        value = parse_binary(p, POWER_ADD);
+        *percent = !p->panicking && at_percent(p);
+        if (*percent) {
+            parse_advance(p);
+        }
+        p->tolerance = outer;
+    }
+    parse_leave(p);
+    return value;
 }
 
 // An `=` behind an expression was meant to compare.

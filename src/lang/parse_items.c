@@ -237,6 +237,46 @@ static AstId parse_for(Parser *p)
     return parse_node(p, AST_FOR, begin, symbol, parse_extra(p, 4, words));
 }
 
+// [ "within" sum [ "%" ] "of" expression ], behind the value; words[0] and [1] of the node
+static void parse_within(Parser *p, uint32_t *words, bool *percent)
+{
+    if (p->panicking || !parse_accept(p, TOKEN_WITHIN)) {
+        return;
+    }
+    uint32_t tallest = p->height;
+    words[0] = parse_tolerance(p, percent);
+    tallest = parse_taller(tallest, p->height);
+    if (p->panicking) {
+        return;
+    }
+    if (!parse_at(p, TOKEN_NAME) || !str_equal(parse_token_text(p), STR("of"))) {
+        parse_note(p,
+                   parse_error(p, E0224, parse_missing_span(p),
+                               "expected `of` behind the tolerance, found %s", parse_found(p).text),
+                   "write `expect a within 0.1 of b` or `expect a within 1% of b`");
+        p->panicking = true;
+        return;
+    }
+    parse_advance(p);
+    words[1] = parse_expression(p);
+    p->height = parse_taller(tallest, p->height);
+}
+
+// expect = "expect" expression [ "within" sum [ "%" ] "of" expression ]
+static AstId parse_expectation(Parser *p)
+{
+    uint32_t begin = p->token.begin;
+    bool percent = false;
+    parse_advance(p);
+    AstId value = parse_expression(p);
+    uint32_t words[3] = {0};
+    parse_within(p, words, &percent);
+    ++p->height;
+    AstId id = parse_node(p, AST_EXPECT, begin, value, parse_extra(p, 3, words));
+    p->ast->nodes.items[id].aux = percent;
+    return id;
+}
+
 static AstId emit_node(Parser *p, AstId value, uint32_t begin)
 {
     ++p->height;
@@ -360,7 +400,7 @@ static void report_no_item(Parser *p)
     p->panicking = true;
 }
 
-// item = let | fn | for | if_statement | emit
+// item = let | fn | for | if_statement | expect | emit
 static AstId parse_item(Parser *p)
 {
     p->height = 0;
@@ -378,6 +418,8 @@ static AstId parse_item(Parser *p)
         return parse_for(p);
     case TOKEN_IF:
         return parse_if(p);
+    case TOKEN_EXPECT:
+        return parse_expectation(p);
     case TOKEN_IMPORT:
     case TOKEN_PARAM: {
         parse_error(p, E0211, parse_token_span(p), "%s must stand at the top level of a file",

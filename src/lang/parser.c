@@ -121,6 +121,7 @@ static bool may_begin_item(const Parser *p)
     case TOKEN_FOR:
     case TOKEN_FN:
     case TOKEN_IF:
+    case TOKEN_EXPECT:
     case TOKEN_IMPORT:
     case TOKEN_PARAM:
         return true;
@@ -236,6 +237,7 @@ static bool is_resting_place(const Parser *p)
     case TOKEN_END:
     case TOKEN_RIGHT_BRACE:
     case TOKEN_LET:
+    case TOKEN_EXPECT:
     case TOKEN_IMPORT:
     case TOKEN_PARAM:
         return true;
@@ -402,7 +404,7 @@ bool parse(Ast *ast, const Sources *sources, uint32_t file, Interner *names, Par
     }
     Parser p;
     p.ast = ast;
-    p.previous_end = p.nesting = p.height = p.open = 0;
+    p.previous_end = p.nesting = p.height = p.open = p.tolerance = 0;
     p.most_nesting = limits.nesting < PARSE_NESTING_MOST ? limits.nesting : PARSE_NESTING_MOST;
     p.most_height = 4 * p.most_nesting + PARSE_CHAIN_MOST;
     p.panicking = p.gave_up = p.lost_brace = false;

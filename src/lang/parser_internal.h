@@ -16,6 +16,7 @@ typedef struct Parser {
     uint32_t height;      // of the tree that was returned last, in nodes
     uint32_t most_height; // of a chain
     uint32_t open;        // ( and [ that are open in the current body
+    uint32_t tolerance;   // nesting of the tolerance that is being read; 0: none
     bool panicking;       // an error was reported; nothing more until the next item
     bool gave_up;         // nothing more until the end of the file
     bool lost_brace;      // fields stood outside of a kind: a `}` will be too many
@@ -55,6 +56,10 @@ static inline Span parse_span(const Parser *p, uint32_t begin, uint32_t end)
 static inline Span parse_token_span(const Parser *p)
 {
     return parse_span(p, p->token.begin, p->token.end);
+}
+static inline Str parse_token_text(const Parser *p)
+{
+    return (Str){p->lexer.begin + p->token.begin, p->token.end - p->token.begin};
 }
 // Where something is missing: the current token, or behind the last one if a line ends between.
 Span parse_missing_span(const Parser *p);
@@ -131,6 +136,8 @@ AstId parse_expression(Parser *p);
 AstId parse_expression_from(Parser *p, const Token *name);
 // The rest of a statement that emits a value, whose first token was a name.
 AstId parse_emitted_from(Parser *p, const Token *name);
+// The tolerance of an `expect`: sum [ "%" ], before `of`; *percent: the `%` is there.
+AstId parse_tolerance(Parser *p, bool *percent);
 // "if" "(" expression ")" has been read.
 AstId parse_if_branches(Parser *p, uint32_t begin, AstId condition);
 // "(" expression ")" behind `if`.

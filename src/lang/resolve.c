@@ -432,6 +432,16 @@ static void resolve_if(Resolver *r, AstId id)
     }
 }
 
+static void resolve_expect(Resolver *r, AstId id)
+{
+    const AstNode *node = node_at(r, id);
+    AstId value = node->a, tolerance = r->ast->extra.items[node->b];
+    AstId target = r->ast->extra.items[node->b + 1];
+    resolve_expression(r, value);
+    resolve_expression(r, tolerance);
+    resolve_expression(r, target);
+}
+
 static void resolve_expression(Resolver *r, AstId id)
 {
     AstNode *node = node_at(r, id);
@@ -478,6 +488,9 @@ static void resolve_expression(Resolver *r, AstId id)
         break;
     case AST_IF:
         resolve_if(r, id);
+        break;
+    case AST_EXPECT:
+        resolve_expect(r, id);
         break;
     case AST_FOR:
         resolve_for(r, id);

@@ -8,6 +8,7 @@
 #include "base/io.h"
 #include "base/source.h"
 #include "base/vec.h"
+#include "scene/expectation.h"
 #include "schema/schema.h"
 
 // One shape, material, texture, light, falloff, attenuation or camera. Its parameters are the
@@ -93,9 +94,10 @@ typedef struct Scene {
     SceneInstanceArray instances;
     MeshArray meshes;
     SceneParamArray params;
-    Sandbox *sandbox; // through which files are opened; not owned
-    uint64_t hash;    // of the sources' bytes and the parameters
-    uint32_t camera;  // id of the camera to use, or NONE_ID
+    SceneExpectationArray expectations; // in the order in which they were run first
+    Sandbox *sandbox;                   // through which files are opened; not owned
+    uint64_t hash;                      // of the sources' bytes and the parameters
+    uint32_t camera;                    // id of the camera to use, or NONE_ID
 } Scene;
 
 // False when memory runs out. `schema` and `sandbox` must outlive the scene.

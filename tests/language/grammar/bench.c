@@ -91,6 +91,7 @@ static void check_children(Check *check, AstId id, unsigned depth)
     case AST_FOR:
         check_words(check, id, 1 << 2 | 1 << 3, depth);
         break;
+    case AST_EXPECT:
     case AST_IF:
         check_child(check, node->a, id, depth);
         check_words(check, id, 1 | 2, depth);

@@ -84,6 +84,21 @@ static void test_ranges(void **state)
     expect("let a = 1/*c*/.x", "let a = 1 /*c*/ .x\n");
 }
 
+static void test_expectations(void **state)
+{
+    (void)state;
+    expect("expect  a==b", "expect a == b\n");
+    expect("expect a within 0.1+b of -c", "expect a within 0.1 + b of -c\n");
+    expect("expect a within 1 % of(b,c)", "expect a within 1% of (b, c)\n");
+    expect("expect a within b%c % of of%d", "expect a within b % c% of of % d\n");
+    expect("group{expect a within 1 of b sphere{}}",
+           "group { expect a within 1 of b, sphere {} }\n");
+    expect("sphere{} expect a\nwithin 1%\nof b\nsphere{}",
+           "sphere {}, expect a\n  within 1%\n  of b\nsphere {}\n");
+    expect("expect a..b within 1+c of d", "expect a..b within 1 + c of d\n");
+    expect("instance{of:a%of,transform:t}", "instance { of: a % of, transform: t }\n");
+}
+
 static void test_commas(void **state)
 {
     (void)state;
@@ -260,11 +275,12 @@ static void test_equal_trees(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spaces),        cmocka_unit_test(test_ranges),
-        cmocka_unit_test(test_commas),        cmocka_unit_test(test_line_ends),
-        cmocka_unit_test(test_long_lines),    cmocka_unit_test(test_comments),
-        cmocka_unit_test(test_columns),       cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_out_of_memory), cmocka_unit_test(test_equal_trees),
+        cmocka_unit_test(test_spaces),       cmocka_unit_test(test_ranges),
+        cmocka_unit_test(test_expectations), cmocka_unit_test(test_commas),
+        cmocka_unit_test(test_line_ends),    cmocka_unit_test(test_long_lines),
+        cmocka_unit_test(test_comments),     cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_errors),       cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_equal_trees),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -168,6 +168,27 @@ static void comprehensions(void **state)
                 "(list (for i (name a) (list (for j (name b) (binary * (name i) (name j))))))");
 }
 
+static void tolerances(void **state)
+{
+    (void)state;
+    check("expect a within 1 + b of c + d",
+          "(expect (name a) (binary + (number 1) (name b)) (binary + (name c) (name d)))");
+    check("expect a within 1% of b", "(expect (name a) % (number 1) (name b))");
+    check("expect a within b % /* of */\nof c", "(expect (name a) % (name b) (name c))");
+    check("expect a within b % c % of d",
+          "(expect (name a) % (binary % (name b) (name c)) (name d))");
+    check("expect a within -b ^ c % of of", "(expect (name a) % (unary - (binary ^ (name b) "
+                                            "(name c))) (name of))");
+    // Within brackets, `of` is a name like any other.
+    check("expect a within (b % of) of c",
+          "(expect (name a) (binary % (name b) (name of)) (name c))");
+    check("expect a within f(b % of, k { of: b % of }) of c",
+          "(expect (name a) (call (name f) (binary % (name b) (name of)) "
+          "(kind k (field of (binary % (name b) (name of))))) (name c))");
+    check("expect if (a) b else c within 1% of d",
+          "(expect (if (name a) (name b) (name c)) % (number 1) (name d))");
+}
+
 static void items(void **state)
 {
     (void)state;
@@ -184,6 +205,7 @@ static void items(void **state)
     check("if (a) b else c", "(emit (if (name a) (name b) (name c)))");
     check("a.b() tree with { transform: t }",
           "(emit (call (member b (name a)))) (emit (with (name tree) (field transform (name t))))");
+    check("expect a == b expect c", "(expect (binary == (name a) (name b))) (expect (name c))");
     check("scn 1\nscn {}", "(emit (kind scn))");
     check("scn {}", "(emit (kind scn))");
     check("scn", "(emit (name scn))");
@@ -440,6 +462,7 @@ int main(void)
         cmocka_unit_test(values),
         cmocka_unit_test(comprehensions),
         cmocka_unit_test(items),
+        cmocka_unit_test(tolerances),
         cmocka_unit_test(kinds),
         cmocka_unit_test(version_of_the_header),
         cmocka_unit_test(spans),

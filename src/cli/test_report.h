@@ -1,0 +1,28 @@
+// What `scnrender test` says: line by line as a test runner does, or as one JSON object.
+#ifndef CLI_TEST_REPORT_H
+#define CLI_TEST_REPORT_H
+
+#include "cli/load.h"
+
+typedef enum Verdict { VERDICT_PASS, VERDICT_FAIL, VERDICT_NOT_RUN, VERDICT_COUNT } Verdict;
+
+typedef struct TestReport {
+    FILE *out;
+    bool json, quiet, colored;
+    bool any_file, any_expectation; // written before
+    uint64_t files, verdicts[VERDICT_COUNT];
+    uint64_t broken; // files that have errors or can't be read
+    double seconds;
+} TestReport;
+
+void test_report_begin(TestReport *report, const Options *options, FILE *out);
+// What follows is of this file. `error`: why nothing could be tested ("2 errors"); or NULL.
+void test_report_file(TestReport *report, const char *shown, const char *error);
+void test_report_expectation(TestReport *report, Loading *loading,
+                             const SceneExpectation *expectation, Verdict verdict);
+void test_report_end(TestReport *report);
+
+// Text from a scene for a terminal: what isn't UTF-8 or would control the terminal becomes U+FFFD.
+void put_clean(FILE *out, Str text);
+
+#endif
