@@ -380,15 +380,17 @@ static void json_param(Eval *ev, Env *env, uint32_t slot, AstId item, FILE *out)
     fputs(", \"value\": ", out);
     json_value(ev, out, v);
     ParamRange range;
-    if (words.range && param_range(ev, env, item, v.dim, &range)) {
+    uint8_t dim = kind ? (uint8_t)kind->dim : v.dim; // v may be an error
+    if (words.range && param_range(ev, env, item, dim, &range)) {
         if (range.choices.type == VALUE_LIST) {
             fputs(", \"choices\": ", out);
             json_value(ev, out, range.choices);
         } else {
             fputs(", \"min\": ", out);
-            json_value(ev, out, value_number(range.min, v.dim));
+            json_value(ev, out, value_number(range.min, dim));
             fputs(", \"max\": ", out);
-            json_value(ev, out, value_number(range.max, v.dim));
+            json_value(ev, out, value_number(range.max, dim));
+            fputs(range.exclude_max ? ", \"exclude_max\": true" : "", out);
         }
     }
     fputs(", \"description\": ", out);

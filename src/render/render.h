@@ -39,7 +39,7 @@ typedef struct RenderOptions {
     // it is not owned, and no two renderers use it at once. NULL: the renderer builds its own.
     World *world;
     const CameraParams *camera; // in world space, instead of the scene's; NULL: the scene's
-    const atomic_int *stop;            // non-zero: stop soon, keep what is done; may be NULL
+    const atomic_int *stop;     // non-zero: stop soon, keep what is done; may be NULL
     // Called from the rendering thread that finished a tile (one at a time), at most every 50 ms,
     // and at the end of each pass over the picture with pass_done = true, when no thread writes to
     // the film. The passes end after 1, 4, 16, 64 and then every 64 samples a pixel.

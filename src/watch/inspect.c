@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_LIGHTS = 1024, LIGHT_SAMPLES = 4096, LISTED_LIGHTS = 3 };
+enum { MOST_LIGHTS = 1024, LIGHT_SAMPLES = 16384, SAMPLES_OF_LIGHT = 256, LISTED_LIGHTS = 3 };
 
 typedef struct Seen {
     const Snapshot *picture;
@@ -120,21 +120,23 @@ static cJSON *light_json(const Seen *seen, uint32_t index)
 
 // --- Lights --------------------------------------------------------------------------------------
 
-static double number_in_0_1(uint32_t *state)
+// The k-th point of a sequence that fills the unit cube evenly: Roberts 2018, "The Unreasonable
+// Effectiveness of Quasirandom Sequences", R3.
+static Vec3 even_point(uint32_t k)
 {
-    *state += 0x9e3779b9u;
-    return (double)hash_to_float(hash_u32(*state));
+    const double g = 1.22074408460575947536;
+    double x = 0.5 + k / g, y = 0.5 + k / (g * g), z = 0.5 + k / (g * g * g);
+    return vec3(x - floor(x), y - floor(y), z - floor(z));
 }
 
 // One estimate of what a light gives to the side of the surface that is seen: irradiance as its
 // luminance, W/m², with what stands in between.
-static double sample_light(const Seen *seen, Vec3 normal, const Light *light, uint32_t *state)
+static double sample_light(const Seen *seen, Vec3 normal, const Light *light, Vec3 u)
 {
     const Surface *surface = &seen->surface;
-    double u0 = number_in_0_1(state), u1 = number_in_0_1(state), u2 = number_in_0_1(state);
     LightSample sample;
     if (!light->class->sample ||
-        !light->class->sample(seen->world, light, surface->p, u0, u1, u2, &sample)) {
+        !light->class->sample(seen->world, light, surface->p, u.x, u.y, u.z, &sample)) {
         return 0;
     }
     double cosine = dot(normal, sample.direction);
@@ -157,22 +159,23 @@ static double *light_irradiances(const Seen *seen, size_t count)
     const LightSet *lights = seen->world->lights;
     Vec3 normal = seen->surface.geometric;
     normal = dot(normal, seen->ray.direction) > 0 ? neg(normal) : normal;
-    uint32_t state = 1;
     if (sums && count <= MOST_LIGHTS) {
-        size_t samples = LIGHT_SAMPLES / count < 64 ? LIGHT_SAMPLES / count : 64;
+        uint32_t samples = (uint32_t)(LIGHT_SAMPLES / count);
+        samples = samples < SAMPLES_OF_LIGHT ? samples : SAMPLES_OF_LIGHT;
         for (size_t i = 0; i < count; ++i) {
-            for (size_t k = 0; k < samples; ++k) {
-                sums[i] += sample_light(seen, normal, light_set_get(lights, i), &state);
+            for (uint32_t k = 0; k < samples; ++k) {
+                sums[i] += sample_light(seen, normal, light_set_get(lights, i), even_point(k));
             }
-            sums[i] /= (double)samples;
+            sums[i] /= samples;
         }
     } else if (sums) {
         LightReceiver receiver = {seen->surface.p, normal};
-        for (int k = 0; k < LIGHT_SAMPLES; ++k) {
+        for (uint32_t k = 0; k < LIGHT_SAMPLES; ++k) {
             float chance;
-            uint32_t i = light_choose(lights, &receiver, number_in_0_1(&state), &chance);
+            double choice = (double)hash_to_float(hash_u32(k));
+            uint32_t i = light_choose(lights, &receiver, choice, &chance);
             if (i != NONE_ID && chance > 0) {
-                sums[i] += sample_light(seen, normal, light_set_get(lights, i), &state) /
+                sums[i] += sample_light(seen, normal, light_set_get(lights, i), even_point(k)) /
                            (double)chance / LIGHT_SAMPLES;
             }
         }

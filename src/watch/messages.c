@@ -261,10 +261,12 @@ static void write_command(const Session *session, Text *text)
     if (options->seed >= 0) {
         command_option(text, "--seed", "%lld", (long long)options->seed);
     }
-    if (!isnan(session->exposure)) {
+    FilmParams film =
+        session->shown ? scene_film(&session->shown->scene) : (FilmParams){.exposure = NAN};
+    if (!isnan(session->exposure) && session->exposure != film.exposure) {
         command_option(text, "--exposure", "%.6g", session->exposure);
     }
-    if (session->tone >= 0) {
+    if (session->tone >= 0 && session->tone != film.tone) {
         command_option(text, "--tone", "%s", tone_names[session->tone]);
     }
     for (size_t i = 0; i < options->scene.folder_count; ++i) {

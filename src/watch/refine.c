@@ -99,8 +99,10 @@ static bool next_job(Worker *w, Job *job)
     session->files_changed = false;
     atomic_store(&session->stop, GO_ON);
     bool open = !atomic_load(&session->closing);
-    set_phase(session,
-              job->change == CHANGE_SCENE ? PHASE_EVALUATING : phase_of(w, session->paused));
+    SessionPhase asked = job->change == CHANGE_SCENE    ? PHASE_EVALUATING
+                         : job->change == CHANGE_CAMERA ? PHASE_RENDERING
+                                                        : phase_of(w, session->paused);
+    set_phase(session, asked);
     pthread_mutex_unlock(&session->lock);
     if (!good) {
         job->change = CHANGE_NOTHING; // without memory: the next request tries again

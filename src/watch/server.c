@@ -180,6 +180,21 @@ static void serve_events(Session *session, HttpReply *reply)
     reply->stream = events;
 }
 
+// All that the stream tells, as it is now.
+static void serve_state(Session *session, HttpReply *reply)
+{
+    Text parts[] = {session_scene_json(session), session_view_json(session),
+                    session_status_json(session)};
+    Text all = {0};
+    text_print(&all, "{\"scene\":%s,\"view\":%s,\"status\":%s}", parts[0].bytes, parts[1].bytes,
+               parts[2].bytes);
+    for (int i = 0; i < 3; ++i) {
+        all.failed |= parts[i].failed;
+        text_free(&parts[i]);
+    }
+    reply_json(reply, all);
+}
+
 // --- Pictures ------------------------------------------------------------------------------------
 
 static void serve_picture(Session *session, HttpReply *reply)
@@ -420,6 +435,8 @@ static void handle(void *context, const HttpRequest *request, HttpReply *reply)
         reply_text(reply, 405, "GET and POST are known\n");
     } else if (strcmp(name, "events") == 0) {
         serve_events(server->session, reply);
+    } else if (strcmp(name, "state") == 0) {
+        serve_state(server->session, reply);
     } else if (strcmp(name, "picture") == 0) {
         serve_picture(server->session, reply);
     } else if (strcmp(name, "pixel") == 0) {

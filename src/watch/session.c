@@ -172,6 +172,8 @@ static void ask(Session *session, Change change)
         session->change = change;
     }
     atomic_store(&session->stop, STOP_FOR_REQUEST);
+    session->status.phase = change == CHANGE_SCENE ? PHASE_EVALUATING : PHASE_RENDERING;
+    ++session->news.status;
     ++session->news.view;
     pthread_cond_broadcast(&session->changed);
 }
