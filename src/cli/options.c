@@ -271,7 +271,8 @@ static bool take_target(const Parser *parser, OptionId id, const char *text)
         return wrong(parser, "`--%s` doesn't know `%s`; did you mean `%s`?", option_infos[id].name,
                      text, near);
     }
-    return wrong(parser, "`--%s` takes povray, blender or json, not `%s`", option_infos[id].name, text);
+    return wrong(parser, "`--%s` takes povray, blender or json, not `%s`", option_infos[id].name,
+                 text);
 }
 
 static bool take(Parser *parser, OptionId id, const char *text)
