@@ -12,6 +12,7 @@ int command_lights(const Options *options);
 int command_params(const Options *options);
 int command_fmt(const Options *options);
 int command_export(const Options *options);
+int command_lsp(const Options *options);
 int command_explain(const Options *options);
 int command_reference(const Options *options);
 int command_help(const Options *options);

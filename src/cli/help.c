@@ -33,10 +33,14 @@ static void print_main(void)
     puts("Usage: scnrender FILE.scn [options]\n"
          "       scnrender COMMAND ...    (`scnrender help COMMAND` tells its options)\n");
     for (int i = 0; i < COMMAND_COUNT; ++i) {
+        if (i == COMMAND_REFERENCE || i == COMMAND_COMPLETION || i == COMMAND_VERSION) {
+            continue; // below, in one line
+        }
         char left[32];
         snprintf(left, sizeof left, "%s %s", command_infos[i].name, command_infos[i].operand);
         printf("  %-19s %s\n", left, command_infos[i].text);
     }
+    puts("  reference  completion  version");
     puts("\nThe picture stands beside the scene under its name, or where -o says; FILE `-`\n"
          "is the standard input. Often used: -o FILE, --samples N, --size WxH, --set X=1.\n"
          "Exit status: 0 done, 1 a scene has errors or fails its test, 2 wrong use, 3 a\n"

@@ -46,6 +46,8 @@ static int run(const Options *options)
         return command_fmt(options);
     case COMMAND_EXPORT:
         return command_export(options);
+    case COMMAND_LSP:
+        return command_lsp(options);
     case COMMAND_EXPLAIN:
         return command_explain(options);
     case COMMAND_REFERENCE:

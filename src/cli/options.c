@@ -352,6 +352,8 @@ static bool take(Parser *parser, OptionId id, const char *text)
     case OPTION_DIFF:
         options->diff = true;
         return true;
+    case OPTION_STDIO:
+        return true;
     case OPTION_HELP:
         parser->help = true;
         return true;

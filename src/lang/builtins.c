@@ -17,10 +17,21 @@ static const BuiltinInfo infos[] = {
 const BuiltinInfo *const lang_builtins = infos;
 const size_t lang_builtin_count = sizeof infos / sizeof infos[0];
 
+const ConstantInfo lang_constants[] = {
+    {"pi", "Half a turn in radians, as a bare number.", PI},
+    {"tau", "A turn in radians, as a bare number: 2 pi.", 2 * PI},
+};
+const size_t lang_constant_count = sizeof lang_constants / sizeof lang_constants[0];
+
 bool builtin_constant(Str name, double *out)
 {
-    *out = str_equal(name, STR("pi")) ? PI : 2 * PI;
-    return str_equal(name, STR("pi")) || str_equal(name, STR("tau"));
+    for (size_t i = 0; i < lang_constant_count; ++i) {
+        if (str_equal(name, str_from(lang_constants[i].name))) {
+            *out = lang_constants[i].value;
+            return true;
+        }
+    }
+    return false;
 }
 
 Value call_builtin(Eval *ev, Env *env, AstId node, Span at, uint32_t builtin, const Value *args,

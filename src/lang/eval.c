@@ -50,14 +50,14 @@ static Value evaluate_item(Eval *ev, Env *env, AstId item)
         return eval(ev, env, item);
     }
     if (node->tag == AST_PARAM) {
-        return eval_param(ev, env, item);
+        return observe(ev, env, item, eval_param(ev, env, item));
     }
     AstId expression = env_words(env, node->b)[2];
     Value v = eval(ev, env, expression);
     if (v.type == VALUE_NOTHING) {
         return fail(report(ev, E0509, env_span(env, expression), "this gives no value"));
     }
-    return v;
+    return observe(ev, env, item, v);
 }
 
 Value force_slot(Eval *ev, Env *env, uint32_t slot, AstId item)

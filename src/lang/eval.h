@@ -230,7 +230,25 @@ bool count_step(Eval *ev, Span at);
 // *distance (begin with SIZE_MAX).
 void suggest_name(Str name, Str candidate, Str *best, size_t *distance);
 
-// module.c
+// lang.c
+// NULL without memory. `floor` is the lowest address of the C stack. Both keep `scene`.
+Eval *eval_new(Lang *lang, Scene *scene, uintptr_t floor);
+void eval_free(Eval *ev);
+// Reports that memory ran out, after the jump.
+void report_full(Eval *ev);
+
+// observe.c
+// Keeps the value of a `let` or `param` where somebody wants to know; gives it back.
+void observe_value(Eval *ev, const Env *env, AstId item, Value v);
+static inline Value observe(Eval *ev, const Env *env, AstId item, Value v)
+{
+    if (ev->lang->observed) {
+        observe_value(ev, env, item, v);
+    }
+    return v;
+}
+
+// loading.c
 Module *module_load_text(Eval *ev, uint32_t file, bool is_library);
 void modules_free(Eval *ev);
 // The slot of a name of the file itself, or -1.
@@ -398,7 +416,7 @@ extern const Builtin builtins[];
 extern const uint32_t builtin_count;
 Value call_builtin(Eval *ev, Env *env, AstId node, Span at, uint32_t builtin, const Value *args,
                    uint32_t count);
-// pi and tau.
+// One of lang_constants.
 bool builtin_constant(Str name, double *out);
 
 #endif

@@ -51,6 +51,11 @@ static uint32_t add_text(Lang *lang, Str text, const char *path, const char *sho
 // The number of the source, or 0 after a report.
 static uint32_t add_file(Lang *lang, const char *path, const char *shown)
 {
+    Str given;
+    if (lang->find_given && lang->find_given(lang->find_given_context, path, &given)) {
+        uint32_t number = sources_add(&lang->sources, shown, path, given, (Span){0});
+        return number ? number : report_no_memory(lang);
+    }
     if (lang->given_path && strcmp(path, lang->given_path) == 0) {
         return add_text(lang, lang->given_text, path, shown);
     }
@@ -83,9 +88,8 @@ typedef struct Run {
     FILE *params_to; // write the params as JSON, and nothing else
 } Run;
 
-static Eval *eval_new(const Run *run, uintptr_t floor)
+Eval *eval_new(Lang *lang, Scene *scene, uintptr_t floor)
 {
-    Lang *lang = run->lang;
     Eval *ev = mem_alloc_zeroed(1, sizeof *ev);
     if (!ev) {
         return NULL;
@@ -93,7 +97,7 @@ static Eval *eval_new(const Run *run, uintptr_t floor)
     ev->lang = lang;
     ev->names = &lang->names;
     ev->sink = &lang->sink;
-    ev->scene = run->scene;
+    ev->scene = scene;
     ev->oldest_forced = UINT64_MAX;
     // What is left below holds the deepest thing that doesn't check for itself: a kind's `finish`,
     // which may load a mesh.
@@ -103,12 +107,12 @@ static Eval *eval_new(const Run *run, uintptr_t floor)
         ev->regions[i].limit = lang->limits.memory;
     }
     ev->arena = &ev->regions[0];
-    run->scene->arena.on_oom = &ev->on_oom;
-    interner_init(&ev->strings, &run->scene->arena);
+    scene->arena.on_oom = &ev->on_oom;
+    interner_init(&ev->strings, &scene->arena);
     return ev;
 }
 
-static void eval_free(Eval *ev)
+void eval_free(Eval *ev)
 {
     ev->scene->arena.on_oom = NULL;
     interner_free(&ev->strings);
@@ -120,7 +124,7 @@ static void eval_free(Eval *ev)
     mem_free(ev);
 }
 
-static void report_full(Eval *ev)
+void report_full(Eval *ev)
 {
     size_t used = 0;
     for (int i = 0; i < REGION_COUNT; ++i) {
@@ -279,7 +283,7 @@ static void evaluate(Eval *ev, const Run *run)
 static void run_on_stack(void *context, uintptr_t floor)
 {
     const Run *run = context;
-    Eval *ev = eval_new(run, floor);
+    Eval *ev = eval_new(run->lang, run->scene, floor);
     if (!ev) {
         report_no_memory(run->lang);
         return;

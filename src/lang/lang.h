@@ -9,6 +9,7 @@
 #include "scene/scene.h"
 #include "schema/schema.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 
 // LIMIT(id, default, text): each can be raised on the command line with --limit id=N.
@@ -39,6 +40,22 @@ typedef struct ParamSetting { // --set name=value
                               // a bare word is taken as a string
 } ParamSetting;
 
+// What a `let` or `param` came to while a scene was evaluated, for editors.
+typedef struct Observation {
+    Span name;        // where it is declared
+    uint32_t times;   // how often it was evaluated: once, but in functions and loops
+    bool varies;      // not always to the same value
+    const char *type; // in words: "a length"
+    const char *text; // the first value, cut to a line: "0.25m", "[1, 2, 3, … 97 more]"
+} Observation;
+
+typedef struct Observations {
+    ARRAY(Observation) items;
+    ARRAY(uint32_t) slots; // hash table by place: index + 1
+} Observations;
+
+void observations_free(Observations *observations);
+
 // One run of the language: sources, names, diagnostics. Not for two threads at once, but two may
 // run side by side.
 typedef struct Lang {
@@ -61,6 +78,13 @@ typedef struct Lang {
     // The text that stands for the file at `given_path` (standard input); NULL: none. Not owned.
     const char *given_path;
     Str given_text;
+    // More such texts, an editor's open buffers: true, and the text in *text, where one stands for
+    // the file at `path` (absolute). It must stay as it is until lang_free. NULL: none.
+    bool (*find_given)(void *context, const char *path, Str *text);
+    void *find_given_context;
+    const atomic_int *stop; // once it isn't zero evaluation ends, unfinished and without a report;
+                            // NULL: never
+    Observations *observed; // where values are kept; NULL: nowhere. The texts are the arena's.
     ARRAY(FileBytes) files; // the texts of the sources
 } Lang;
 
@@ -88,5 +112,24 @@ typedef struct BuiltinInfo {
 } BuiltinInfo;
 extern const BuiltinInfo *const lang_builtins;
 extern const size_t lang_builtin_count;
+
+// Names of numbers: pi and tau.
+typedef struct ConstantInfo {
+    const char *name, *doc;
+    double value;
+} ConstantInfo;
+extern const ConstantInfo lang_constants[];
+extern const size_t lang_constant_count;
+
+// The types of params: "int", "length", …
+typedef struct ParamTypeName {
+    const char *name, *doc;
+} ParamTypeName;
+extern const ParamTypeName lang_param_types[];
+extern const size_t lang_param_type_count;
+
+// The reserved words, in the order of the grammar.
+extern const char *const lang_keywords[];
+extern const size_t lang_keyword_count;
 
 #endif

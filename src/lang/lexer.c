@@ -1,7 +1,7 @@
 #include "lang/lexer_internal.h"
 
 #include "base/utf8.h"
-#include "schema/schema.h"
+#include "lang/lang.h"
 
 #define REPEAT_26(c, class)                                                                        \
     [c] = class, [c + 1] = class, [c + 2] = class, [c + 3] = class, [c + 4] = class,               \
@@ -53,6 +53,13 @@ static const Str keywords[] = {
     KEYWORDS(KEYWORD)
 #undef KEYWORD
 };
+
+const char *const lang_keywords[] = {
+#define KEYWORD(id, text) text,
+    KEYWORDS(KEYWORD)
+#undef KEYWORD
+};
+const size_t lang_keyword_count = sizeof lang_keywords / sizeof lang_keywords[0];
 
 enum { FIRST_KEYWORD = TOKEN_COLOR + 1, KEYWORD_COUNT = sizeof keywords / sizeof *keywords };
 

@@ -17,6 +17,25 @@ static ParamWords param_words(const Module *module, AstId item)
 
 // --- Types -----------------------------------------------------------------------------------
 
+// PARAM_KIND(name, type of the value, dimension, whether it is whole, manual line)
+#define PARAM_KINDS(PARAM_KIND)                                                                    \
+    PARAM_KIND(int, VALUE_NUMBER, DIM_NONE, true, "A whole number.")                               \
+    PARAM_KIND(number, VALUE_NUMBER, DIM_NONE, false, "A bare number.")                            \
+    PARAM_KIND(bool, VALUE_BOOL, DIM_NONE, false, "true or false.")                                \
+    PARAM_KIND(string, VALUE_STRING, DIM_NONE, false, "Text.")                                     \
+    PARAM_KIND(color, VALUE_COLOR, DIM_NONE, false, "A color.")                                    \
+    PARAM_KIND(vector, VALUE_VECTOR, DIM_NONE, false, "A vector of 2 to 4 components.")            \
+    PARAM_KIND(angle, VALUE_NUMBER, DIM_ANGLE, false, "An angle; it always needs a unit.")         \
+    PARAM_KIND(length, VALUE_NUMBER, DIM_LENGTH, false, "A length.")                               \
+    PARAM_KIND(time, VALUE_NUMBER, DIM_TIME, false, "A time.")                                     \
+    PARAM_KIND(temperature, VALUE_NUMBER, DIM_TEMPERATURE, false, "A temperature.")                \
+    PARAM_KIND(power, VALUE_NUMBER, DIM_POWER, false, "A power.")                                  \
+    PARAM_KIND(luminous_flux, VALUE_NUMBER, DIM_LUMINOUS_FLUX, false, "A luminous flux.")          \
+    PARAM_KIND(luminous_intensity, VALUE_NUMBER, DIM_LUMINOUS_INTENSITY, false,                    \
+               "A luminous intensity.")                                                            \
+    PARAM_KIND(illuminance, VALUE_NUMBER, DIM_ILLUMINANCE, false, "An illuminance.")               \
+    PARAM_KIND(luminance, VALUE_NUMBER, DIM_LUMINANCE, false, "A luminance.")
+
 typedef struct ParamKind {
     const char *name;
     ValueType type;
@@ -25,22 +44,17 @@ typedef struct ParamKind {
 } ParamKind;
 
 static const ParamKind param_kinds[] = {
-    {"int", VALUE_NUMBER, DIM_NONE, true},
-    {"number", VALUE_NUMBER, DIM_NONE, false},
-    {"bool", VALUE_BOOL, DIM_NONE, false},
-    {"string", VALUE_STRING, DIM_NONE, false},
-    {"color", VALUE_COLOR, DIM_NONE, false},
-    {"vector", VALUE_VECTOR, DIM_NONE, false},
-    {"angle", VALUE_NUMBER, DIM_ANGLE, false},
-    {"length", VALUE_NUMBER, DIM_LENGTH, false},
-    {"time", VALUE_NUMBER, DIM_TIME, false},
-    {"temperature", VALUE_NUMBER, DIM_TEMPERATURE, false},
-    {"power", VALUE_NUMBER, DIM_POWER, false},
-    {"luminous_flux", VALUE_NUMBER, DIM_LUMINOUS_FLUX, false},
-    {"luminous_intensity", VALUE_NUMBER, DIM_LUMINOUS_INTENSITY, false},
-    {"illuminance", VALUE_NUMBER, DIM_ILLUMINANCE, false},
-    {"luminance", VALUE_NUMBER, DIM_LUMINANCE, false},
+#define PARAM_KIND(name, type, dim, whole, doc) {#name, type, dim, whole},
+    PARAM_KINDS(PARAM_KIND)
+#undef PARAM_KIND
 };
+
+const ParamTypeName lang_param_types[] = {
+#define PARAM_KIND(name, type, dim, whole, doc) {#name, doc},
+    PARAM_KINDS(PARAM_KIND)
+#undef PARAM_KIND
+};
+const size_t lang_param_type_count = sizeof lang_param_types / sizeof lang_param_types[0];
 
 enum { PARAM_KIND_COUNT = sizeof param_kinds / sizeof param_kinds[0] };
 

@@ -59,6 +59,7 @@ static void resolve_to_binding(Resolver *r, AstNode *node, const Binding *bindin
     if (binding->kind == BINDING_IMPORT) {
         node->op = NAME_NAMESPACE;
         node->a = r->ast->nodes.items[binding->item].aux;
+        node->b = binding->item;
         return;
     }
     node->op = is_variable ? NAME_VARIABLE : binding->frame == 0 ? NAME_GLOBAL : NAME_LET;

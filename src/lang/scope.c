@@ -155,7 +155,8 @@ Str scope_suggest(const Resolver *r, Str name)
     for (uint32_t i = 0; i < builtin_count; ++i) {
         suggest_name(name, str_from(builtins[i].name), &best, &distance);
     }
-    suggest_name(name, STR("pi"), &best, &distance);
-    suggest_name(name, STR("tau"), &best, &distance);
+    for (size_t i = 0; i < lang_constant_count; ++i) {
+        suggest_name(name, str_from(lang_constants[i].name), &best, &distance);
+    }
     return best;
 }

@@ -76,6 +76,10 @@ bool count_step(Eval *ev, Span at)
     if (ev->stop) {
         return false;
     }
+    if (ev->lang->stop && atomic_load_explicit(ev->lang->stop, memory_order_relaxed)) {
+        stop_evaluation(ev, STOP_RUN);
+        return false;
+    }
     if (++ev->steps > ev->lang->limits.steps) {
         Diag *diag = report(ev, E0708, at, "more than %llu steps",
                             (unsigned long long)ev->lang->limits.steps);

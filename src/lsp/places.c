@@ -1,0 +1,120 @@
+#include "lsp/server.h"
+
+#include "lsp/uri.h"
+
+// --- In a document -------------------------------------------------------------------------------
+
+static uint32_t whole(const cJSON *number)
+{
+    double value = cJSON_IsNumber(number) ? number->valuedouble : 0;
+    return value >= UINT32_MAX ? UINT32_MAX : value > 0 ? (uint32_t)value : 0;
+}
+
+uint32_t server_offset(const Server *server, const Document *document, const cJSON *position)
+{
+    Position at = {whole(json_at(position, "line")), whole(json_at(position, "character"))};
+    return text_offset(&document->text, at, server->encoding);
+}
+
+void server_range(const Server *server, const Document *document, const cJSON *range,
+                  uint32_t *begin, uint32_t *end)
+{
+    *begin = server_offset(server, document, json_at(range, "start"));
+    *end = server_offset(server, document, json_at(range, "end"));
+    if (*end < *begin) {
+        uint32_t other = *begin;
+        *begin = *end;
+        *end = other;
+    }
+}
+
+cJSON *json_position(const Server *server, const Text *text, uint32_t offset)
+{
+    Position at = text_position(text, offset, server->encoding);
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddNumberToObject(json, "line", at.line);
+    cJSON_AddNumberToObject(json, "character", at.column);
+    return json;
+}
+
+cJSON *json_range(const Server *server, const Text *text, uint32_t begin, uint32_t end)
+{
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddItemToObject(json, "start", json_position(server, text, begin));
+    cJSON_AddItemToObject(json, "end", json_position(server, text, end));
+    return json;
+}
+
+cJSON *json_edit(const Server *server, const Text *text, uint32_t begin, uint32_t end, Str with)
+{
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddItemToObject(json, "range", json_range(server, text, begin, end));
+    json_add_text(json, "newText", with);
+    return json;
+}
+
+// --- In any file ---------------------------------------------------------------------------------
+
+void places_end(Places *places)
+{
+    for (size_t i = 0; i < places->files.count; ++i) {
+        text_free(&places->files.items[i].own);
+    }
+    array_free(&places->files);
+}
+
+static bool read_file(PlaceFile *file, const char *path)
+{
+    FileBytes bytes;
+    if (file_read(path, UINT32_MAX / 4, &bytes) != IO_OK) {
+        return false;
+    }
+    bool good = text_set(&file->own, (Str){bytes.bytes, bytes.size});
+    file_bytes_free(&bytes);
+    return good;
+}
+
+const PlaceFile *places_file(Places *places, const char *path)
+{
+    for (size_t i = 0; path && i < places->files.count; ++i) {
+        if (strcmp(places->files.items[i].path, path) == 0) {
+            return places->files.items[i].uri ? &places->files.items[i] : NULL;
+        }
+    }
+    if (!path || !array_reserve(&places->files, 1)) {
+        return NULL;
+    }
+    Arena *arena = &places->server->scratch;
+    PlaceFile file = {.path = arena_copy_string(arena, path, strlen(path))};
+    const Document *document = document_by_path(places->server, path);
+    if (document) {
+        file.uri = document->uri;
+        file.text = &document->text;
+    } else if (read_file(&file, path)) {
+        file.uri = uri_from_path(arena, path);
+    }
+    if (!file.path) {
+        text_free(&file.own);
+        return NULL;
+    }
+    array_push(&places->files, file);
+    return file.uri ? &places->files.items[places->files.count - 1] : NULL;
+}
+
+const Text *place_text(const PlaceFile *file)
+{
+    return file->text ? file->text : &file->own;
+}
+
+cJSON *places_location(Places *places, const FilePlace *at)
+{
+    const PlaceFile *file = places_file(places, at->path);
+    if (!file) {
+        return NULL;
+    }
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "uri", file->uri);
+    cJSON_AddItemToObject(json, "range",
+                          json_range(places->server, place_text(file), at->begin, at->end));
+    return json;
+}
