@@ -82,7 +82,7 @@ static void make_stale(Server *server, const char *path, const char *real)
 static void document_free(Document *document)
 {
     drop_analysis(document);
-    text_free(&document->text);
+    buffer_free(&document->text);
     array_free(&document->tokens);
     report_free(&document->said);
     report_free(&document->found);
@@ -130,7 +130,7 @@ Document *document_open(Server *server, const char *uri, double version, Str tex
     }
     document->uri = arena_copy_string(&document->arena, uri, strlen(uri));
     document->version = version;
-    bool good = document->uri && set_paths(server, document) && text_set(&document->text, text) &&
+    bool good = document->uri && set_paths(server, document) && buffer_set(&document->text, text) &&
                 array_reserve(&server->documents, 1);
     if (!good) {
         document_free(document);
@@ -174,7 +174,7 @@ void documents_free(Server *server)
 bool document_edit(Server *server, Document *document, uint32_t begin, uint32_t end, Str text)
 {
     // Whole documents are sent even where little has changed.
-    Str old = text_content(&document->text);
+    Str old = buffer_content(&document->text);
     size_t same = 0;
     while (begin < end && same < text.length && old.at[begin] == text.at[same]) {
         ++begin;
@@ -197,7 +197,7 @@ bool document_edit(Server *server, Document *document, uint32_t begin, uint32_t 
     if (server->evaluation.document == document) {
         evaluation_cancel(server);
     }
-    if (!text_replace(&document->text, begin, end, text)) {
+    if (!buffer_replace(&document->text, begin, end, text)) {
         return false;
     }
     for (size_t i = 0; i < server->documents.count; ++i) {
@@ -220,7 +220,7 @@ static bool find_open_text(void *context, const char *path, Str *text)
 {
     Document *document = document_by_path(context, path);
     if (document) {
-        *text = text_content(&document->text);
+        *text = buffer_content(&document->text);
     }
     return document != NULL;
 }
@@ -286,8 +286,8 @@ static Analysis *analyse(Server *server, Document *document)
     }
     document_sandbox(server, document, &analysis->sandbox);
     document_lang(server, &analysis->lang, &analysis->sandbox);
-    analysis->survey =
-        survey_open(&analysis->lang, text_content(&document->text), document->real, document->path);
+    analysis->survey = survey_open(&analysis->lang, buffer_content(&document->text), document->real,
+                                   document->path);
     if (!analysis->survey) {
         lang_free(&analysis->lang);
         sandbox_free(&analysis->sandbox);
@@ -380,7 +380,7 @@ const DocumentTokens *document_tokens(Server *server, Document *document)
     diag_sink_init(&r->nowhere, &r->arena);
     r->nowhere.limit = 0;
     r->out = &document->tokens;
-    read_tokens(r, &(Source){.text = text_content(&document->text)});
+    read_tokens(r, &(Source){.text = buffer_content(&document->text)});
     lexer_free(&r->lexer);
     diag_sink_free(&r->nowhere);
     interner_free(&r->names);

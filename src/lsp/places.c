@@ -13,7 +13,7 @@ static uint32_t whole(const cJSON *number)
 uint32_t server_offset(const Server *server, const Document *document, const cJSON *position)
 {
     Position at = {whole(json_at(position, "line")), whole(json_at(position, "character"))};
-    return text_offset(&document->text, at, server->encoding);
+    return buffer_offset(&document->text, at, server->encoding);
 }
 
 void server_range(const Server *server, const Document *document, const cJSON *range,
@@ -28,16 +28,16 @@ void server_range(const Server *server, const Document *document, const cJSON *r
     }
 }
 
-cJSON *json_position(const Server *server, const Text *text, uint32_t offset)
+cJSON *json_position(const Server *server, const Buffer *text, uint32_t offset)
 {
-    Position at = text_position(text, offset, server->encoding);
+    Position at = buffer_position(text, offset, server->encoding);
     cJSON *json = cJSON_CreateObject();
     cJSON_AddNumberToObject(json, "line", at.line);
     cJSON_AddNumberToObject(json, "character", at.column);
     return json;
 }
 
-cJSON *json_range(const Server *server, const Text *text, uint32_t begin, uint32_t end)
+cJSON *json_range(const Server *server, const Buffer *text, uint32_t begin, uint32_t end)
 {
     cJSON *json = cJSON_CreateObject();
     cJSON_AddItemToObject(json, "start", json_position(server, text, begin));
@@ -45,7 +45,7 @@ cJSON *json_range(const Server *server, const Text *text, uint32_t begin, uint32
     return json;
 }
 
-cJSON *json_edit(const Server *server, const Text *text, uint32_t begin, uint32_t end, Str with)
+cJSON *json_edit(const Server *server, const Buffer *text, uint32_t begin, uint32_t end, Str with)
 {
     cJSON *json = cJSON_CreateObject();
     cJSON_AddItemToObject(json, "range", json_range(server, text, begin, end));
@@ -58,7 +58,7 @@ cJSON *json_edit(const Server *server, const Text *text, uint32_t begin, uint32_
 void places_end(Places *places)
 {
     for (size_t i = 0; i < places->files.count; ++i) {
-        text_free(&places->files.items[i].own);
+        buffer_free(&places->files.items[i].own);
     }
     array_free(&places->files);
 }
@@ -69,7 +69,7 @@ static bool read_file(PlaceFile *file, const char *path)
     if (file_read(path, UINT32_MAX / 4, &bytes) != IO_OK) {
         return false;
     }
-    bool good = text_set(&file->own, (Str){bytes.bytes, bytes.size});
+    bool good = buffer_set(&file->own, (Str){bytes.bytes, bytes.size});
     file_bytes_free(&bytes);
     return good;
 }
@@ -94,14 +94,14 @@ const PlaceFile *places_file(Places *places, const char *path)
         file.uri = uri_from_path(arena, path);
     }
     if (!file.path) {
-        text_free(&file.own);
+        buffer_free(&file.own);
         return NULL;
     }
     array_push(&places->files, file);
     return file.uri ? &places->files.items[places->files.count - 1] : NULL;
 }
 
-const Text *place_text(const PlaceFile *file)
+const Buffer *place_text(const PlaceFile *file)
 {
     return file->text ? file->text : &file->own;
 }

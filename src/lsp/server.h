@@ -11,11 +11,11 @@
 
 #include "base/io.h"
 #include "lang/survey.h"
+#include "lsp/buffer.h"
 #include "lsp/frames.h"
 #include "lsp/json.h"
 #include "lsp/lsp.h"
 #include "lsp/report.h"
-#include "lsp/text.h"
 
 #include <stdatomic.h>
 #include <sys/types.h>
@@ -45,7 +45,7 @@ struct Document {
     const char *uri, *path; // as the client gave it; absolute, made up where there is no file
     const char *real;       // with links resolved
     double version;
-    Text text;
+    Buffer text;
     Analysis *analysis; // NULL: to be made
     bool has_tokens;
     DocumentTokens tokens;
@@ -169,15 +169,15 @@ uint32_t server_offset(const Server *server, const Document *document, const cJS
 // "range"'s bytes.
 void server_range(const Server *server, const Document *document, const cJSON *range,
                   uint32_t *begin, uint32_t *end);
-cJSON *json_range(const Server *server, const Text *text, uint32_t begin, uint32_t end);
-cJSON *json_position(const Server *server, const Text *text, uint32_t offset);
-cJSON *json_edit(const Server *server, const Text *text, uint32_t begin, uint32_t end, Str with);
+cJSON *json_range(const Server *server, const Buffer *text, uint32_t begin, uint32_t end);
+cJSON *json_position(const Server *server, const Buffer *text, uint32_t offset);
+cJSON *json_edit(const Server *server, const Buffer *text, uint32_t begin, uint32_t end, Str with);
 
 // Places in any files, each read once.
 typedef struct PlaceFile {
     const char *path, *uri;
-    const Text *text; // an open document's, or
-    Text own;
+    const Buffer *text; // an open document's, or
+    Buffer own;
 } PlaceFile;
 typedef struct Places {
     Server *server;
@@ -187,7 +187,7 @@ typedef struct Places {
 void places_end(Places *places);
 // NULL without memory, or where the file can't be read. Good until the next call.
 const PlaceFile *places_file(Places *places, const char *path);
-const Text *place_text(const PlaceFile *file);
+const Buffer *place_text(const PlaceFile *file);
 cJSON *places_location(Places *places, const FilePlace *at);
 
 #endif

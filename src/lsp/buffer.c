@@ -1,4 +1,4 @@
-#include "lsp/text.h"
+#include "lsp/buffer.h"
 
 #include "base/utf8.h"
 
@@ -6,7 +6,7 @@
 
 static const size_t MOST_BYTES = INT32_MAX;
 
-void text_free(Text *text)
+void buffer_free(Buffer *text)
 {
     array_free(&text->bytes);
     array_free(&text->lines);
@@ -16,7 +16,7 @@ void text_free(Text *text)
 
 // Appends the starts of the lines that begin behind `at`. A line index of a few hundred kilobytes
 // is made in a fraction of a millisecond, so it is made anew from the first line that changed.
-static bool index_lines(Text *text, uint32_t at)
+static bool index_lines(Buffer *text, uint32_t at)
 {
     const char *bytes = text->bytes.items;
     uint32_t end = (uint32_t)text->bytes.count;
@@ -42,7 +42,7 @@ static bool index_lines(Text *text, uint32_t at)
 }
 
 // The last line that starts at or before `offset`.
-uint32_t text_line(const Text *text, uint32_t offset)
+uint32_t buffer_line(const Buffer *text, uint32_t offset)
 {
     uint32_t low = 0, high = (uint32_t)text->lines.count;
     while (high - low > 1) {
@@ -56,7 +56,7 @@ uint32_t text_line(const Text *text, uint32_t offset)
     return low;
 }
 
-static bool index_from(Text *text, uint32_t line)
+static bool index_from(Buffer *text, uint32_t line)
 {
     text->lines.count = line;
     if (line == 0 && !array_push(&text->lines, 0)) {
@@ -67,12 +67,12 @@ static bool index_from(Text *text, uint32_t line)
 
 // --- Changes -------------------------------------------------------------------------------------
 
-bool text_set(Text *text, Str content)
+bool buffer_set(Buffer *text, Str content)
 {
-    return text_replace(text, 0, (uint32_t)text->bytes.count, content);
+    return buffer_replace(text, 0, (uint32_t)text->bytes.count, content);
 }
 
-bool text_replace(Text *text, uint32_t begin, uint32_t end, Str content)
+bool buffer_replace(Buffer *text, uint32_t begin, uint32_t end, Str content)
 {
     size_t count = text->bytes.count, removed = end - begin;
     if (count - removed + content.length > MOST_BYTES ||
@@ -86,7 +86,7 @@ bool text_replace(Text *text, uint32_t begin, uint32_t end, Str content)
     }
     text->bytes.count = count - removed + content.length;
     // The line before may have ended with a carriage return that now belongs to a newline.
-    uint32_t line = text->lines.count ? text_line(text, begin > 0 ? begin - 1 : 0) : 0;
+    uint32_t line = text->lines.count ? buffer_line(text, begin > 0 ? begin - 1 : 0) : 0;
     return index_from(text, line);
 }
 
@@ -106,7 +106,7 @@ static uint32_t units_of(uint32_t code, int length, PositionEncoding encoding)
 }
 
 // Where the line's own characters end.
-static uint32_t line_end(const Text *text, uint32_t line)
+static uint32_t line_end(const Buffer *text, uint32_t line)
 {
     if (line + 1 >= text->lines.count) {
         return (uint32_t)text->bytes.count;
@@ -116,7 +116,7 @@ static uint32_t line_end(const Text *text, uint32_t line)
     return end - both;
 }
 
-uint32_t text_offset(const Text *text, Position position, PositionEncoding encoding)
+uint32_t buffer_offset(const Buffer *text, Position position, PositionEncoding encoding)
 {
     if (position.line >= text->lines.count) {
         return (uint32_t)text->bytes.count;
@@ -135,7 +135,7 @@ uint32_t text_offset(const Text *text, Position position, PositionEncoding encod
     return (uint32_t)(at - text->bytes.items);
 }
 
-uint32_t text_units(Str run, PositionEncoding encoding)
+uint32_t buffer_units(Str run, PositionEncoding encoding)
 {
     if (encoding == POSITIONS_UTF8) {
         return (uint32_t)run.length;
@@ -150,7 +150,7 @@ uint32_t text_units(Str run, PositionEncoding encoding)
     return units;
 }
 
-Position text_position(const Text *text, uint32_t offset, PositionEncoding encoding)
+Position buffer_position(const Buffer *text, uint32_t offset, PositionEncoding encoding)
 {
     if (text->lines.count == 0) {
         return (Position){0, 0};
@@ -158,6 +158,7 @@ Position text_position(const Text *text, uint32_t offset, PositionEncoding encod
     if (offset > text->bytes.count) {
         offset = (uint32_t)text->bytes.count;
     }
-    uint32_t line = text_line(text, offset), begin = text->lines.items[line];
-    return (Position){line, text_units((Str){text->bytes.items + begin, offset - begin}, encoding)};
+    uint32_t line = buffer_line(text, offset), begin = text->lines.items[line];
+    return (Position){line,
+                      buffer_units((Str){text->bytes.items + begin, offset - begin}, encoding)};
 }
