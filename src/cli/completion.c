@@ -56,6 +56,11 @@ static Choice operand_choice(Command command)
                                            : (Choice){operand, EXPECT_WORD, NULL};
 }
 
+static bool wants_argument(const OptionInfo *info)
+{
+    return option_wants_argument((OptionId)(info - option_infos));
+}
+
 static bool takes(Command command, int option)
 {
     return (option_infos[option].commands & 1u << command) != 0;
@@ -122,7 +127,7 @@ static void bash_options(void)
 {
     puts("    case $before in");
     for (int i = 0; i < OPTION_COUNT; ++i) {
-        if (*option_infos[i].argument) {
+        if (option_wants_argument((OptionId)i)) {
             printf("    --%s", option_infos[i].name);
             if (option_infos[i].letter) {
                 printf(" | -%c", option_infos[i].letter);
@@ -213,16 +218,16 @@ static void zsh_choice(Choice choice)
 static void zsh_option(int option)
 {
     const OptionInfo *info = &option_infos[option];
-    const char *equals = *info->argument ? "=" : "";
+    const char *equals = wants_argument(info) ? "=" : "";
     if (info->letter) {
         printf(" \\\n            '(-%c --%s)'{-%c%s,--%s%s}'[", info->letter, info->name,
-               info->letter, *info->argument ? "+" : "", info->name, equals);
+               info->letter, wants_argument(info) ? "+" : "", info->name, equals);
     } else {
         printf(" \\\n            '*--%s%s[", info->name, equals);
     }
     print_quoted(info->text, "[]:");
     putchar(']');
-    if (*info->argument) {
+    if (wants_argument(info)) {
         zsh_choice(option_choice((OptionId)option));
     }
     putchar('\'');
@@ -355,7 +360,7 @@ static void print_fish(void)
             printf(" -s %c", info->letter);
         }
         printf(" -l %s", info->name);
-        if (*info->argument) {
+        if (wants_argument(info)) {
             fish_choice(option_choice((OptionId)i));
         }
         fputs(" -d '", stdout);

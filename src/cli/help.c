@@ -14,8 +14,8 @@ static void print_option(const OptionInfo *info)
     if (info->letter) {
         snprintf(letter, sizeof letter, "-%c, ", info->letter);
     }
-    snprintf(left, sizeof left, "  %s--%s%s%s", letter, info->name, *info->argument ? " " : "",
-             info->argument);
+    snprintf(left, sizeof left, "  %s--%s%s%s", letter, info->name,
+             option_wants_argument((OptionId)(info - option_infos)) ? " " : "", info->argument);
     printf("%-*s  %s\n", OPTION_COLUMN, left, info->text);
 }
 

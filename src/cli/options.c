@@ -2,6 +2,7 @@
 
 #include "base/number.h"
 #include "render/film.h"
+#include "watch/tev.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -311,6 +312,12 @@ static bool take(Parser *parser, OptionId id, const char *text)
         good = take_number(parser, id, text, 0, UINT16_MAX, &number);
         options->port = (uint16_t)number;
         return good;
+    case OPTION_TERMINAL:
+        options->terminal = text ? text : "";
+        return true;
+    case OPTION_TEV:
+        options->tev = text ? text : TEV_ADDRESS;
+        return true;
     case OPTION_POLL:
         options->poll = true;
         return true;
@@ -382,8 +389,8 @@ static bool parse_long(Parser *parser, char **argv, int argc, int *at, OptionId 
         return near ? wrong(parser, "there is no option `--%s`; did you mean `--%s`?", shown, near)
                     : wrong(parser, "there is no option `--%s`; see `scnrender --help`", shown);
     }
-    bool wants = *option_infos[*id].argument != '\0';
-    if (equals && !wants) {
+    bool wants = option_wants_argument(*id);
+    if (equals && !*option_infos[*id].argument) {
         return wrong(parser, "`--%s` takes no argument", option_infos[*id].name);
     }
     *argument = equals ? equals + 1 : NULL;
@@ -407,7 +414,7 @@ static bool parse_letter(Parser *parser, char **argv, int argc, int *at, const c
     }
     ++*letter;
     *argument = NULL;
-    if (*option_infos[*id].argument) {
+    if (option_wants_argument(*id)) {
         if (!**letter && *at + 1 >= argc) {
             return wrong(parser, "`-%c` wants an argument: %s", option_infos[*id].letter,
                          option_infos[*id].argument);

@@ -54,6 +54,8 @@ typedef struct Options {
     bool check, diff;           // of fmt
     uint16_t port;              // of watch; 0: any
     bool poll;                  // of watch
+    const char *terminal;       // of watch: "" or how to draw; NULL: a page is wanted
+    const char *tev;            // of watch: HOST:PORT; NULL: no tev
     bool json_report;           // --json
     Vec3 at;                    // --at
     const ExportTarget *target; // --to, --for; or NULL
@@ -85,6 +87,13 @@ typedef struct OptionInfo {
     const char *text;
 } OptionInfo;
 extern const OptionInfo option_infos[OPTION_COUNT];
+
+// Does the option want an argument? One in brackets may be left out, and is given as
+// --option=argument only.
+static inline bool option_wants_argument(OptionId id)
+{
+    return *option_infos[id].argument && *option_infos[id].argument != '[';
+}
 
 // COMMAND_COUNT where there is none of that name.
 Command command_find(const char *name);

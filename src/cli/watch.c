@@ -1,7 +1,9 @@
 // scnrender watch FILE: a scene and its picture, which follow each other, until a signal ends it.
 #include "cli/commands.h"
 #include "cli/load.h"
+#include "cli/watch_terminal.h"
 #include "watch/server.h"
+#include "watch/tev.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -10,20 +12,21 @@
 
 static SessionOptions session_options(const Options *options)
 {
-    return (SessionOptions){.scene = {.file = options->operand,
-                                      .settings = options->settings,
-                                      .setting_count = options->setting_count,
-                                      .folders = options->folders,
-                                      .folder_count = options->folder_count,
-                                      .limits = options->limits,
-                                      .threads = options->threads,
-                                      .print_to = options->quiet ? NULL : stderr},
-                            .camera = options->camera,
-                            .width = options->width,
-                            .height = options->height,
-                            .samples = options->samples,
-                            .seed = options->seed,
-                            .polling = options->poll};
+    return (SessionOptions){
+        .scene = {.file = options->operand,
+                  .settings = options->settings,
+                  .setting_count = options->setting_count,
+                  .folders = options->folders,
+                  .folder_count = options->folder_count,
+                  .limits = options->limits,
+                  .threads = options->threads,
+                  .print_to = options->quiet || options->terminal ? NULL : stderr},
+        .camera = options->camera,
+        .width = options->width,
+        .height = options->height,
+        .samples = options->samples,
+        .seed = options->seed,
+        .polling = options->poll};
 }
 
 static int check(const Options *options)
@@ -87,7 +90,18 @@ int command_watch(const Options *options)
     if (!session) {
         return complain(EXIT_NO_MEMORY, "%s", message);
     }
-    code = serve(options, session, &signals);
+    const char *slash = strrchr(options->operand, '/');
+    const char *name = slash ? slash + 1 : options->operand;
+    TevSender *tev =
+        options->tev ? tev_new(session, options->tev, name, message, sizeof message) : NULL;
+    if (options->tev && !tev) {
+        code = complain(EXIT_USAGE, "%s", message);
+    } else if (options->terminal) {
+        code = watch_on_terminal(options, session, &signals);
+    } else {
+        code = serve(options, session, &signals);
+    }
+    tev_free(tev);
     session_free(session);
     return code;
 }
