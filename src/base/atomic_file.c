@@ -140,9 +140,17 @@ static void flush_folder(const char *path)
     }
 }
 
+// Gives a file that was opened without a name the one at which it is renamed.
+static bool name_it(int fd, const char *name)
+{
+    char link[32];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+    return linkat(AT_FDCWD, link, AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0;
+}
+
 // Gives the file the permissions of the one that it replaces, flushes and renames it. Closes fd.
-static bool commit(int fd, const char *temporary, const char *target, const char *path, char *error,
-                   size_t error_size)
+static bool commit(int fd, bool nameless, const char *temporary, const char *target,
+                   const char *path, char *error, size_t error_size)
 {
     struct stat old;
     if (stat(target, &old) == 0 && S_ISREG(old.st_mode)) {
@@ -151,6 +159,10 @@ static bool commit(int fd, const char *temporary, const char *target, const char
     // EINVAL, ENOTSUP: nothing here can be flushed, and that is no fault of the file's.
     bool good = fsync(fd) == 0 || errno == EINVAL || errno == ENOTSUP;
     int code = errno;
+    if (good && nameless && !name_it(fd, temporary)) {
+        good = false;
+        code = errno;
+    }
     if (close(fd) != 0 && good) {
         good = false;
         code = errno;
@@ -168,6 +180,22 @@ static bool commit(int fd, const char *temporary, const char *target, const char
 }
 
 // --- With a stream -------------------------------------------------------------------------------
+
+// A file without a name, in the folder where it shall have one: a program that is killed while it
+// writes leaves nothing behind. -1 where the file system, or a missing /proc, doesn't allow it.
+static int open_nameless(const char *target)
+{
+    PathBuffer folder = {"."};
+    size_t length = folder_length(target);
+    if (length > 0) {
+        memcpy(folder.at, target, length);
+        folder.at[length] = '\0';
+    }
+    if (access("/proc/self/fd", X_OK) != 0) {
+        return -1;
+    }
+    return open(folder.at, O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+}
 
 static char *copy(const char *text)
 {
@@ -190,7 +218,14 @@ bool atomic_file_open(AtomicFile *file, const char *path, char *error, size_t er
 {
     *file = (AtomicFile){0};
     PathBuffer target, temporary;
-    int fd = create_temporary(path, &target, &temporary, error, error_size);
+    if (!find_target(path, &target, error, error_size)) {
+        return false;
+    }
+    int fd = temporary_beside(target.at, 0, &temporary) ? open_nameless(target.at) : -1;
+    file->nameless = fd >= 0;
+    if (fd < 0) {
+        fd = create_temporary(path, &target, &temporary, error, error_size);
+    }
     if (fd < 0) {
         return false;
     }
@@ -225,7 +260,8 @@ bool atomic_file_commit(AtomicFile *file, char *error, size_t error_size)
         unlink(file->temporary);
         good = refuse(error, error_size, file->path, strerror(code));
     } else {
-        good = commit(fd, file->temporary, file->path, file->path, error, error_size);
+        good =
+            commit(fd, file->nameless, file->temporary, file->path, file->path, error, error_size);
     }
     forget(file);
     return good;
@@ -237,7 +273,7 @@ void atomic_file_abandon(AtomicFile *file)
         fclose(file->stream);
     }
     if (file->temporary) {
-        unlink(file->temporary);
+        unlink(file->temporary); // nothing, where it has no name yet
     }
     forget(file);
 }
@@ -273,7 +309,7 @@ bool atomic_rename(const char *temporary, const char *path, char *error, size_t 
         unlink(temporary);
         return refuse(error, error_size, path, strerror(code));
     }
-    return commit(fd, temporary, target.at, path, error, error_size);
+    return commit(fd, false, temporary, target.at, path, error, error_size);
 }
 
 void atomic_discard(const char *temporary)

@@ -10,6 +10,7 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 enum {
     OWN_PAGES_FROM = 64 * 1024, // larger files get pages of their own
@@ -195,7 +196,15 @@ IoError file_read(const char *path, uint64_t max_bytes, FileBytes *out)
     return error;
 }
 
-IoError sandbox_read(const Sandbox *sandbox, const char *path, FileBytes *out)
+// A sum, so that the order doesn't matter.
+static void count_content(Sandbox *sandbox, const char *path, const FileBytes *file)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    uint64_t seed = XXH3_64bits(name, strlen(name));
+    atomic_fetch_add(&sandbox->content_hash, XXH3_64bits_withSeed(file->bytes, file->size, seed));
+}
+
+IoError sandbox_read(Sandbox *sandbox, const char *path, FileBytes *out)
 {
     *out = (FileBytes){0};
     int fd;
@@ -204,6 +213,9 @@ IoError sandbox_read(const Sandbox *sandbox, const char *path, FileBytes *out)
     if (error == IO_OK) {
         error = read_sized(fd, size, out);
         close(fd);
+    }
+    if (error == IO_OK) {
+        count_content(sandbox, path, out);
     }
     return error;
 }

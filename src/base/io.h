@@ -5,6 +5,7 @@
 #include "base/arena.h"
 #include "base/str.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -50,6 +51,9 @@ typedef struct Sandbox {
     // opened; from the thread that opens it. NULL: nobody is.
     void (*on_open)(void *context, const char *path);
     void *on_open_context;
+    // Over the names (without folders) and the contents of all files read so far, in whatever order
+    // they were read: two runs that read the same files end with the same number.
+    atomic_uint_least64_t content_hash;
 } Sandbox;
 
 void sandbox_init(Sandbox *sandbox);
@@ -65,19 +69,20 @@ IoError sandbox_resolve(const Sandbox *sandbox, Arena *arena, const char *from, 
 // Returns the descriptor in *fd, its size in *size. Never waits (for a FIFO's other end, say).
 IoError sandbox_open(const Sandbox *sandbox, const char *path, int *fd, uint64_t *size);
 // Reads a whole file; give it back with file_bytes_free.
-IoError sandbox_read(const Sandbox *sandbox, const char *path, FileBytes *out);
+IoError sandbox_read(Sandbox *sandbox, const char *path, FileBytes *out);
 // The same without a sandbox, for files that the user named on the command line ("-" is stdin);
 // they may be pipes.
 IoError file_read(const char *path, uint64_t max_bytes, FileBytes *out);
 void file_bytes_free(FileBytes *bytes);
 
-// A file that appears whole or not at all: written under a temporary name beside `path`, flushed to
-// the disk, then renamed over it. Where `path` is a link, the file that it leads to is replaced and
-// the link stays; the new file gets the permissions of the old one. Only regular files are
-// replaced.
+// A file that appears whole or not at all: written without a name (under a temporary one where the
+// file system can't do that) beside `path`, flushed to the disk, then renamed over it. Where `path`
+// is a link, the file that it leads to is replaced and the link stays; the new file gets the
+// permissions of the old one. Only regular files are replaced.
 typedef struct AtomicFile {
     char *path, *temporary;
-    FILE *stream; // write here
+    FILE *stream;  // write here
+    bool nameless; // so far: `temporary` is only the name that it will have for a moment
 } AtomicFile;
 // False, with a message in `error`, when it can't be created; then there is nothing to give back.
 bool atomic_file_open(AtomicFile *file, const char *path, char *error, size_t error_size);

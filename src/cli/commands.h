@@ -6,6 +6,7 @@
 
 int command_render(const Options *options);
 int command_watch(const Options *options);
+int command_merge(const Options *options);
 int command_check(const Options *options);
 int command_test(const Options *options);
 int command_lights(const Options *options);

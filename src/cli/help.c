@@ -1,4 +1,5 @@
-// scnrender help [COMMAND]: made from the tables of options.def; fits a terminal of 80 by 24.
+// scnrender help [COMMAND]: made from the tables of options.def; 80 columns wide; the page of
+// all commands fits a terminal of 24 lines.
 #include "cli/commands.h"
 
 #include "lang/lang.h"

@@ -2,6 +2,18 @@
 
 #include <unistd.h>
 
+// As if nobody had caught it, so that a shell sees what happened.
+static void end_by(int number)
+{
+    sigset_t one;
+    sigemptyset(&one);
+    sigaddset(&one, number);
+    signal(number, SIG_DFL);
+    pthread_sigmask(SIG_UNBLOCK, &one, NULL);
+    kill(getpid(), number);
+    pause();
+}
+
 static void *wait_for_signals(void *context)
 {
     Interrupt *interrupt = context;
@@ -9,24 +21,26 @@ static void *wait_for_signals(void *context)
     if (sigwait(&interrupt->waited, &first) != 0) {
         return NULL;
     }
+    if (!atomic_load(&interrupt->heeded)) {
+        end_by(first);
+    }
     atomic_store(&interrupt->signal, first);
     if (sigwait(&interrupt->waited, &second) == 0) {
-        // As if nobody had caught it, so that a shell sees what happened.
-        sigset_t one;
-        sigemptyset(&one);
-        sigaddset(&one, second);
-        signal(second, SIG_DFL);
-        pthread_sigmask(SIG_UNBLOCK, &one, NULL);
-        kill(getpid(), second);
-        pause();
+        end_by(second);
     }
     return NULL;
+}
+
+void interrupt_heed(Interrupt *interrupt)
+{
+    atomic_store(&interrupt->heeded, true);
 }
 
 void interrupt_begin(Interrupt *interrupt)
 {
     static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
     atomic_init(&interrupt->signal, 0);
+    atomic_init(&interrupt->heeded, false);
     sigemptyset(&interrupt->waited);
     bool any = false;
     for (size_t i = 0; i < sizeof signals / sizeof signals[0]; ++i) {

@@ -34,6 +34,8 @@ static int run(const Options *options)
         return command_render(options);
     case COMMAND_WATCH:
         return command_watch(options);
+    case COMMAND_MERGE:
+        return command_merge(options);
     case COMMAND_CHECK:
         return command_check(options);
     case COMMAND_TEST:

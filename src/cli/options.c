@@ -28,9 +28,11 @@ const OptionInfo option_infos[OPTION_COUNT] = {
 #include "cli/options.def"
 };
 
+enum { CHECKPOINT_SECONDS = 60 };
 enum { MOST_THREADS = 4096, LONGEST_SIDE = 1 << 20, FARTHEST_NAME = 3 };
 
 static const int64_t MOST_SAMPLES = INT32_MAX;
+_Static_assert(OPTION_COUNT <= 64 && COMMAND_COUNT <= 32, "a bit each");
 
 // What is being parsed. Lists have room for every argument of the command line.
 typedef struct Parser {
@@ -145,17 +147,48 @@ static bool take_number(const Parser *parser, OptionId id, const char *text, int
                  option_infos[id].name, (long long)min, (long long)max, text);
 }
 
-static bool take_size(const Parser *parser, const char *text)
+static bool take_size(const Parser *parser, OptionId id, const char *text, int *width, int *height)
 {
     const char *x = strpbrk(text, "xX");
-    int64_t width, height;
-    if (!x || !whole_number(text, x, 1, LONGEST_SIDE, &width) ||
-        !whole_number(x + 1, text + strlen(text), 1, LONGEST_SIDE, &height)) {
-        return wrong(parser, "`--size` takes a size like 960x540 (sides of 1 to %d), not `%s`",
-                     LONGEST_SIDE, text);
+    int64_t w, h;
+    if (!x || !whole_number(text, x, 1, LONGEST_SIDE, &w) ||
+        !whole_number(x + 1, text + strlen(text), 1, LONGEST_SIDE, &h)) {
+        return wrong(parser, "`--%s` takes a size like %s (sides of 1 to %d), not `%s`",
+                     option_infos[id].name, id == OPTION_TILE ? "32x16" : "960x540", LONGEST_SIDE,
+                     text);
     }
-    parser->options->width = (int)width;
-    parser->options->height = (int)height;
+    *width = (int)w;
+    *height = (int)h;
+    return true;
+}
+
+// "90", "1.5s"
+static bool take_seconds(const Parser *parser, OptionId id, const char *text, double *seconds)
+{
+    double value = 0;
+    const char *end = number_parse(text, text + strlen(text), &value);
+    if (!end || (*end && strcmp(end, "s") != 0) || !isfinite(value) || !(value > 0)) {
+        return wrong(parser, "`--%s` takes a number of seconds greater than 0, not `%s`",
+                     option_infos[id].name, text);
+    }
+    *seconds = value;
+    return true;
+}
+
+// "0..63": both ends are meant, as in the language.
+static bool take_range(const Parser *parser, const char *text)
+{
+    const char *dots = strstr(text, "..");
+    int64_t first, last;
+    if (!dots || !whole_number(text, dots, 0, MOST_SAMPLES - 1, &first) ||
+        !whole_number(dots + 2, text + strlen(text), 0, MOST_SAMPLES - 1, &last) || first > last) {
+        return wrong(parser,
+                     "`--sample-range` takes the numbers of the first and the last sample, "
+                     "like 64..127, not `%s`",
+                     text);
+    }
+    parser->options->range_first = first;
+    parser->options->range_last = last;
     return true;
 }
 
@@ -292,7 +325,21 @@ static bool take(Parser *parser, OptionId id, const char *text)
     case OPTION_SAMPLES:
         return take_number(parser, id, text, 1, MOST_SAMPLES, &options->samples);
     case OPTION_SIZE:
-        return take_size(parser, text);
+        return take_size(parser, id, text, &options->width, &options->height);
+    case OPTION_TILE:
+        return take_size(parser, id, text, &options->tile_width, &options->tile_height);
+    case OPTION_TIME_LIMIT:
+        return take_seconds(parser, id, text, &options->time_limit);
+    case OPTION_CHECKPOINT:
+        options->checkpoint = text;
+        return *text || wrong(parser, "`--checkpoint` takes the name of a file");
+    case OPTION_RESUME:
+        options->resume = true;
+        return true;
+    case OPTION_CHECKPOINT_INTERVAL:
+        return take_seconds(parser, id, text, &options->checkpoint_interval);
+    case OPTION_SAMPLE_RANGE:
+        return take_range(parser, text);
     case OPTION_CAMERA:
         options->camera = text;
         return true;
@@ -507,12 +554,38 @@ static bool choose_command(Parser *parser, Words *words)
     if (options->command == COMMAND_EXPORT && !options->target) {
         return wrong(parser, "`export` wants `--to povray`, `--to blender` or `--to json`");
     }
+    return options->command != COMMAND_MERGE || options->output ||
+           wrong(parser, "`merge` wants `-o FILE`: where the picture goes");
+}
+
+// Options that mean something with others only.
+static bool check_together(const Parser *parser, const Words *words)
+{
+    static const struct {
+        OptionId given;
+        const char *without;
+    } needs[] = {
+        {OPTION_RESUME, "`--resume` wants `--checkpoint FILE`: what to go on from"},
+        {OPTION_CHECKPOINT_INTERVAL, "`--checkpoint-interval` wants `--checkpoint FILE`"},
+        {OPTION_SAMPLE_RANGE,
+         "`--sample-range` wants `--checkpoint FILE`: where the part is kept for `merge`"},
+    };
+    for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
+        if (words->given & UINT64_C(1) << needs[i].given && !parser->options->checkpoint) {
+            return wrong(parser, "%s", needs[i].without);
+        }
+    }
     return true;
 }
 
 bool options_parse(Options *options, int argc, char **argv, FILE *err)
 {
-    *options = (Options){.seed = -1, .exposure = NAN, .tone = -1, .limits = limits_default()};
+    *options = (Options){.seed = -1,
+                         .exposure = NAN,
+                         .tone = -1,
+                         .range_last = -1,
+                         .checkpoint_interval = CHECKPOINT_SECONDS,
+                         .limits = limits_default()};
     size_t most = argc > 0 ? (size_t)argc : 0, aovs = 0;
     for (size_t i = 0; i < most; ++i) { // a list may stand in one word
         for (const char *at = argv[i]; *at; ++at) {
@@ -531,7 +604,8 @@ bool options_parse(Options *options, int argc, char **argv, FILE *err)
     options->aovs = parser.aovs;
     options->folders = parser.folders;
     options->settings = parser.settings;
-    return parse_words(&parser, argc, argv, &words) && choose_command(&parser, &words);
+    return parse_words(&parser, argc, argv, &words) && choose_command(&parser, &words) &&
+           check_together(&parser, &words);
 }
 
 void options_free(Options *options)

@@ -43,14 +43,19 @@ typedef struct Options {
     const char *const *operands;
     size_t operand_count;
     const char *output, *camera;
-    int64_t samples, seed; // 0, -1: the scene's
-    int width, height;     // 0: the scene's
-    unsigned threads;      // 0: one a processor
-    int bits;              // 0: the type's
-    double exposure;       // stops; NAN: the scene's
-    int tone;              // ToneCurve; -1: the scene's
+    int64_t samples, seed;           // 0, -1: the scene's
+    int width, height;               // 0: the scene's
+    unsigned threads;                // 0: one a processor
+    int bits;                        // 0: the type's
+    int tile_width, tile_height;     // 0: the renderer's own
+    double time_limit;               // seconds; 0: none
+    const char *checkpoint;          // or NULL
+    double checkpoint_interval;      // seconds
+    int64_t range_first, range_last; // --sample-range; last < 0: none
+    double exposure;                 // stops; NAN: the scene's
+    int tone;                        // ToneCurve; -1: the scene's
     Dump dump;
-    bool json, quiet, has_at;
+    bool json, quiet, has_at, resume;
     bool check, diff;           // of fmt
     uint16_t port;              // of watch; 0: any
     bool poll;                  // of watch

@@ -1,6 +1,7 @@
 #include "cli/picture.h"
 
 #include "base/mem.h"
+#include "base/number.h"
 #include "image/image.h"
 
 #include <errno.h>
@@ -119,9 +120,8 @@ static int choose_layer(Picture *picture, const char *name)
     return EXIT_USAGE;
 }
 
-static int choose_layers(Picture *picture, const Loading *loading, const StringList *of_scene)
+static int choose_layers(Picture *picture, const Options *options, const StringList *of_scene)
 {
-    const Options *options = loading->options;
     int code = EXIT_OK;
     for (size_t i = 0; code == EXIT_OK && i < options->aov_count; ++i) {
         code = choose_layer(picture, options->aovs[i]);
@@ -129,7 +129,8 @@ static int choose_layers(Picture *picture, const Loading *loading, const StringL
     for (uint32_t i = 0; code == EXIT_OK && i < of_scene->count; ++i) {
         code = choose_layer(picture, of_scene->items[i]);
     }
-    if (code == EXIT_OK && picture_has_layers(picture) && !image_has_layers(picture->path)) {
+    if (code == EXIT_OK && picture->path && picture_has_layers(picture) &&
+        !image_has_layers(picture->path)) {
         if (options->aov_count > 0) {
             return complain(EXIT_USAGE, "only an EXR holds further layers, not `%s`",
                             picture->path);
@@ -165,16 +166,10 @@ static int check_writable(const Picture *picture, Arena *arena)
     return EXIT_OK;
 }
 
-int picture_begin(Picture *picture, Loading *loading)
+static int check_type(const Picture *picture, const Options *options)
 {
-    *picture = (Picture){.loading = loading, .bits = loading->options->bits};
-    FilmParams film = scene_film(&loading->scene);
-    int code = find_name(picture, loading, film.file);
-    if (code != EXIT_OK) {
-        return code;
-    }
     if (!image_can_write(picture->path)) {
-        int wrong = loading->options->output ? EXIT_USAGE : EXIT_DIAGNOSTICS;
+        int wrong = options->output ? EXIT_USAGE : EXIT_DIAGNOSTICS;
         return complain(wrong, "`%s` is not of a type that can be written: %s", picture->path,
                         image_extensions());
     }
@@ -182,25 +177,47 @@ int picture_begin(Picture *picture, Loading *loading)
         return complain(EXIT_USAGE, "`%s` can't have %d bits a channel", picture->path,
                         picture->bits);
     }
-    code = choose_layers(picture, loading, &film.aovs);
+    return EXIT_OK;
+}
+
+int picture_begin(Picture *picture, Loading *loading)
+{
+    const Options *options = loading->options;
+    *picture = (Picture){.bits = options->bits};
+    FilmParams film = scene_film(&loading->scene);
+    if (options->range_last >= 0 && !options->output) {
+        return choose_layers(picture, options, &film.aovs);
+    }
+    int code = find_name(picture, loading, film.file);
+    if (code == EXIT_OK) {
+        code = check_type(picture, options);
+    }
+    if (code == EXIT_OK) {
+        code = choose_layers(picture, options, &film.aovs);
+    }
     return code == EXIT_OK ? check_writable(picture, &loading->scene.arena) : code;
 }
 
-// --- Content -------------------------------------------------------------------------------------
+// --- Where it comes from -------------------------------------------------------------------------
 
-enum { MOST_ATTRIBUTES = 9 };
+// Facts whose names begin so are attributes of the picture.
+static const char attribute_prefix[] = "scnrender:";
+// Others say how a picture is developed.
+static const char exposure_note[] = "exposure", tone_note[] = "tone", layers_note[] = "layers";
 
-typedef struct Attributes {
-    ImageAttribute items[MOST_ATTRIBUTES];
-    int count;
+enum { MOST_FACTS = 16 };
+
+typedef struct Facts {
+    CheckpointText *items;
+    uint32_t count;
     bool complete;
-} Attributes;
+} Facts;
 
-static void add_attribute(Attributes *attributes, const char *name, const char *text)
+static void add_fact(Facts *facts, const char *name, const char *value)
 {
-    attributes->complete &= text != NULL;
-    if (text && attributes->count < MOST_ATTRIBUTES) {
-        attributes->items[attributes->count++] = (ImageAttribute){name, text};
+    facts->complete &= value != NULL && facts->count < MOST_FACTS;
+    if (facts->complete) {
+        facts->items[facts->count++] = (CheckpointText){CHECKPOINT_NOTE, name, value};
     }
 }
 
@@ -216,6 +233,17 @@ static const char *parameters_text(const Scene *scene, Arena *arena)
     return text;
 }
 
+static const char *layers_text(const Picture *picture, Arena *arena)
+{
+    const char *text = "";
+    for (int i = 0; text && i < AOV_COUNT; ++i) {
+        if (picture->aovs[i]) {
+            text = arena_printf(arena, "%s%s%s", text, *text ? "," : "", film_aovs[i].name);
+        }
+    }
+    return text;
+}
+
 static const char *camera_name(const Scene *scene)
 {
     if (scene->camera >= scene->nodes[CATEGORY_CAMERA].count) {
@@ -224,27 +252,108 @@ static const char *camera_name(const Scene *scene)
     return scene->names.items[scene_node(scene, CATEGORY_CAMERA, scene->camera)->name];
 }
 
-// Where the picture comes from; nothing that differs between two runs that make the same picture.
+// Nothing that differs between two runs that make the same picture.
+bool picture_describe(Picture *picture, Loading *loading, const Renderer *renderer)
+{
+    Scene *scene = &loading->scene;
+    Arena *arena = &scene->arena;
+    const RenderParams *render = renderer_params(renderer);
+    const FilmParams *film = renderer_film_params(renderer);
+    const char *slash = strrchr(loading->shown, '/');
+    Facts facts = {.items = arena_array(arena, MOST_FACTS, sizeof(CheckpointText))};
+    facts.complete = facts.items != NULL;
+    const Options *options = loading->options;
+    picture->exposure = isnan(options->exposure) ? film->exposure : options->exposure;
+    picture->tone = options->tone < 0 ? film->tone : options->tone;
+    add_fact(&facts, "scnrender:version", SCN_VERSION);
+    add_fact(&facts, "scnrender:scene", slash ? slash + 1 : loading->shown);
+    add_fact(&facts, "scnrender:scene_hash",
+             arena_printf(arena, "%016llx", (unsigned long long)scene->hash));
+    add_fact(&facts, "scnrender:parameters", parameters_text(scene, arena));
+    add_fact(&facts, "scnrender:seed", arena_printf(arena, "%lld", (long long)render->seed));
+    add_fact(&facts, "scnrender:integrator", integrator_classes[render->integrator]->name);
+    add_fact(&facts, "scnrender:camera", picture->camera ? picture->camera : camera_name(scene));
+    add_fact(&facts, exposure_note, arena_printf(arena, "%.17g", picture->exposure));
+    add_fact(&facts, tone_note, arena_printf(arena, "%d", (int)picture->tone));
+    add_fact(&facts, layers_note, layers_text(picture, arena));
+    picture->facts = (CheckpointTexts){facts.items, facts.count};
+    return facts.complete;
+}
+
+// A number that was written by picture_describe.
+static double noted_number(CheckpointTexts notes, const char *name)
+{
+    const char *text = checkpoint_text(notes, name);
+    double number = 0;
+    const char *end = text ? number_parse(text, text + strlen(text), &number) : NULL;
+    return end && *end == '\0' && isfinite(number) ? number : 0;
+}
+
+static void recall_layers(Picture *picture, const char *names)
+{
+    while (names && *names) {
+        size_t length = strcspn(names, ",");
+        int aov = film_find_aov((Str){names, length});
+        if (aov >= 0) {
+            picture->aovs[aov] = true;
+        }
+        names += length + (names[length] == ',');
+    }
+}
+
+int picture_recall(Picture *picture, const Options *options, CheckpointTexts notes, bool has_layers,
+                   Arena *arena)
+{
+    *picture = (Picture){.path = options->output, .bits = options->bits, .facts = notes};
+    picture->exposure =
+        isnan(options->exposure) ? noted_number(notes, exposure_note) : options->exposure;
+    double tone = options->tone < 0 ? noted_number(notes, tone_note) : options->tone;
+    picture->tone = tone >= TONE_SRGB && tone <= TONE_FILMIC ? (int32_t)tone : TONE_SRGB;
+    int code = check_type(picture, options);
+    if (code == EXIT_OK) {
+        code = choose_layers(picture, options, &(StringList){0});
+    }
+    if (code == EXIT_OK && picture_has_layers(picture) && !has_layers) {
+        return complain(EXIT_USAGE, "the parts were rendered without further layers: they want "
+                                    "--aov, too");
+    }
+    if (code == EXIT_OK && !picture_has_layers(picture) && has_layers &&
+        image_has_layers(picture->path)) {
+        recall_layers(picture, checkpoint_text(notes, layers_note));
+    }
+    return code == EXIT_OK ? check_writable(picture, arena) : code;
+}
+
+// --- Content -------------------------------------------------------------------------------------
+
+enum { MOST_ATTRIBUTES = MOST_FACTS + 4 };
+
+typedef struct Attributes {
+    ImageAttribute items[MOST_ATTRIBUTES];
+    int count;
+    bool complete;
+} Attributes;
+
+static void add_attribute(Attributes *attributes, const char *name, const char *text)
+{
+    attributes->complete &= text != NULL;
+    if (text && attributes->count < MOST_ATTRIBUTES) {
+        attributes->items[attributes->count++] = (ImageAttribute){name, text};
+    }
+}
+
 static Attributes make_attributes(const Picture *picture, const Film *film, Arena *arena)
 {
-    const Scene *scene = &picture->loading->scene;
-    const RenderParams *render = picture->render_params;
-    const char *slash = strrchr(picture->loading->shown, '/');
     Attributes attributes = {.complete = true};
     add_attribute(&attributes, "Software", "scnrender " SCN_VERSION);
-    add_attribute(&attributes, "scnrender:version", SCN_VERSION);
-    add_attribute(&attributes, "scnrender:scene", slash ? slash + 1 : picture->loading->shown);
-    add_attribute(&attributes, "scnrender:scene_hash",
-                  arena_printf(arena, "%016llx", (unsigned long long)scene->hash));
-    add_attribute(&attributes, "scnrender:parameters", parameters_text(scene, arena));
-    add_attribute(&attributes, "scnrender:seed",
-                  arena_printf(arena, "%lld", (long long)render->seed));
+    for (uint32_t i = 0; i < picture->facts.count && i < CHECKPOINT_MOST_TEXTS; ++i) {
+        const CheckpointText *fact = &picture->facts.items[i];
+        if (begins_with(fact->name, attribute_prefix)) {
+            add_attribute(&attributes, fact->name, fact->value);
+        }
+    }
     add_attribute(&attributes, "scnrender:samples",
                   arena_printf(arena, "%u", (unsigned)film->samples_done));
-    add_attribute(&attributes, "scnrender:integrator",
-                  integrator_classes[render->integrator]->name);
-    add_attribute(&attributes, "scnrender:camera",
-                  picture->camera ? picture->camera : camera_name(scene));
     return attributes;
 }
 
@@ -277,8 +386,9 @@ static int make_layers(const Picture *picture, const Film *film, Arena *arena, I
     if (!pixels) {
         return 0;
     }
-    film_develop(film, picture->film_params, channels,
-                 image_is_linear(picture->path, picture->bits), pixels);
+    FilmParams development = {.exposure = picture->exposure, .tone = picture->tone};
+    film_develop(film, &development, channels, image_is_linear(picture->path, picture->bits),
+                 pixels);
     layers[0] = (ImageLayer){"", channels, rgba, pixels, NULL};
     for (int aov = 0; aov < AOV_COUNT; ++aov) {
         if (!picture->aovs[aov] || aov == AOV_ALPHA) {

@@ -3,22 +3,30 @@
 #define CLI_PICTURE_H
 
 #include "cli/load.h"
+#include "render/checkpoint.h"
 #include "render/render.h"
 
 typedef struct Picture {
-    const Loading *loading;
-    const char *path; // where it will stand
+    const char *path; // where it will stand; NULL: there is none
     int bits;
     bool aovs[AOV_COUNT];
-    // What the attributes say; set before the first picture_write.
-    const FilmParams *film_params;
-    const RenderParams *render_params;
     const char *camera; // as text, where it isn't one of the scene's; else NULL
+    // Set before the first picture_write, by picture_describe or picture_recall.
+    double exposure;
+    int32_t tone;
+    CheckpointTexts facts; // where it comes from: attributes of the file, and notes of a checkpoint
 } Picture;
 
-// Finds out where the picture goes and with which layers, and that it can be written there. An
-// ExitCode, after a message if it isn't EXIT_OK. Strings are the scene's arena's.
+// Finds out where the picture goes and with which layers, and that it can be written there; a part
+// (--sample-range) has none unless a name is given for it. An ExitCode, after a message if it isn't
+// EXIT_OK. Strings are the scene's arena's.
 int picture_begin(Picture *picture, Loading *loading);
+// Describes a picture of what the renderer renders. False without memory.
+bool picture_describe(Picture *picture, Loading *loading, const Renderer *renderer);
+// The same from the notes of a checkpoint, which must outlive it; its name, bits and, where any are
+// named, layers are of the options. An ExitCode, after a message if it isn't EXIT_OK.
+int picture_recall(Picture *picture, const Options *options, CheckpointTexts notes, bool has_layers,
+                   Arena *arena);
 // True if any layer but the picture itself is to be written.
 bool picture_has_layers(const Picture *picture);
 // Replaces the picture by what the film holds. EXIT_OK, or EXIT_FILES or EXIT_NO_MEMORY with a

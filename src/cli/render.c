@@ -5,6 +5,7 @@
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/keep.h"
 #include "cli/load.h"
 #include "cli/picture.h"
 #include "cli/progress.h"
@@ -12,6 +13,7 @@
 #include "scene/dump.h"
 #include "watch/pose.h"
 
+#include <math.h>
 #include <string.h>
 
 // When a long picture is put on the disk before it is done.
@@ -19,7 +21,7 @@ static const double FIRST_REFRESH_SECONDS = 10, REFRESH_SECONDS = 15;
 static const double WRITER_CHECK_SECONDS = 1; // by then the module is loaded
 
 // Values of the renderer's stop flag beside the numbers of signals.
-enum { GO_ON = 0, STOP_FAILED = -1, STOP_TO_REFRESH = -2 };
+enum { GO_ON = 0, STOP_FAILED = -1, STOP_TO_KEEP = -2 };
 
 // --- Dumps ---------------------------------------------------------------------------------------
 
@@ -87,11 +89,10 @@ typedef struct Rendering {
     Loading loading;
     bool has_camera;     // `--camera "camera { … }"`
     CameraParams camera; // is what it says
-    FilmParams look;     // exposure and tone curve as asked for
     Interrupt interrupt;
-    Picture picture;
+    Picture picture; // its path is NULL where a part is rendered for its checkpoint alone
     Bar bar;
-    double refresh_at; // seconds of rendering
+    double refresh_at, checkpoint_at; // seconds of rendering; INFINITY: never
     bool writer_checked;
     char failure[600]; // why rendering was given up; "": it wasn't
     Renderer *renderer;
@@ -101,7 +102,8 @@ typedef struct Rendering {
 // Nobody should render for an hour to learn that OpenImageIO is missing.
 static void check_writer(Rendering *rendering, const RenderProgress *progress)
 {
-    if (rendering->writer_checked || progress->seconds < WRITER_CHECK_SECONDS) {
+    if (rendering->writer_checked || !rendering->picture.path ||
+        progress->seconds < WRITER_CHECK_SECONDS) {
         return;
     }
     rendering->writer_checked = true;
@@ -111,59 +113,102 @@ static void check_writer(Rendering *rendering, const RenderProgress *progress)
 }
 
 // Called by the renderer. A pass may take minutes, and while it lasts the film can't be read: so
-// the renderer is stopped, to go on after the picture is written.
+// the renderer is stopped, to go on after the picture or the checkpoint is written.
 static void on_progress(void *context, const RenderProgress *progress)
 {
     Rendering *rendering = context;
     bar_draw(&rendering->bar, progress);
     check_writer(rendering, progress);
-    if (progress->seconds >= rendering->refresh_at && progress->fraction < 1) {
+    bool due =
+        progress->seconds >= rendering->refresh_at || progress->seconds >= rendering->checkpoint_at;
+    if (due && progress->fraction < 1) {
         int expected = GO_ON;
-        atomic_compare_exchange_strong(&rendering->interrupt.signal, &expected, STOP_TO_REFRESH);
-        rendering->refresh_at = progress->seconds + REFRESH_SECONDS;
+        atomic_compare_exchange_strong(&rendering->interrupt.signal, &expected, STOP_TO_KEEP);
     }
 }
 
-// Puts on the disk what is done so far.
-static void refresh(Rendering *rendering)
+static void plan_keeping(Rendering *rendering)
+{
+    const Options *options = rendering->loading.options;
+    double now = rendering->stats.render_seconds;
+    if (rendering->picture.path && now >= rendering->refresh_at) {
+        rendering->refresh_at = now + REFRESH_SECONDS;
+    }
+    if (options->checkpoint && now >= rendering->checkpoint_at) {
+        rendering->checkpoint_at = now + options->checkpoint_interval;
+    }
+}
+
+static int save(const Rendering *rendering, char *message, size_t size)
+{
+    return keep_save(rendering->loading.options, rendering->renderer, rendering->picture.facts,
+                     message, size);
+}
+
+// Puts on the disk what is done so far: the checkpoint first, which is worth more.
+static void keep(Rendering *rendering)
 {
     char message[1024];
-    const Film *film = renderer_film(rendering->renderer);
-    if (picture_write(&rendering->picture, film, message, sizeof message) != EXIT_OK) {
+    bool good = true;
+    double now = rendering->stats.render_seconds;
+    if (now >= rendering->checkpoint_at) {
+        good = save(rendering, message, sizeof message) == EXIT_OK;
+    }
+    if (good && now >= rendering->refresh_at) {
+        good = picture_write(&rendering->picture, renderer_film(rendering->renderer), message,
+                             sizeof message) == EXIT_OK;
+    }
+    if (!good) {
         bar_end(&rendering->bar);
         complain(EXIT_OK, "%s; will try again", message);
     }
+    plan_keeping(rendering);
 }
 
-// Renders to the end, or to a stop that isn't for a refresh. False if nothing could be rendered.
-static bool run_with_refreshes(Rendering *rendering)
+// Renders to the end, or to a stop that isn't for keeping. False if nothing could be rendered.
+static bool run_and_keep(Rendering *rendering)
 {
     for (;;) {
         if (!renderer_run(rendering->renderer, &rendering->stats)) {
             return false;
         }
-        int expected = STOP_TO_REFRESH;
+        int expected = STOP_TO_KEEP;
         if (atomic_load(&rendering->interrupt.signal) != expected || !rendering->stats.stopped) {
             return true;
         }
-        refresh(rendering);
+        keep(rendering);
         atomic_compare_exchange_strong(&rendering->interrupt.signal, &expected, GO_ON);
     }
+}
+
+static int64_t whole_samples(const Loading *loading)
+{
+    return loading->options->samples > 0 ? loading->options->samples
+                                         : scene_render(&loading->scene).samples;
 }
 
 static RenderOptions render_options(Rendering *rendering)
 {
     const Options *options = rendering->loading.options;
-    return (RenderOptions){.threads = options->threads,
-                           .width = options->width,
-                           .height = options->height,
-                           .samples = options->samples,
-                           .seed = options->seed,
-                           .aovs = picture_has_layers(&rendering->picture),
-                           .camera = rendering->has_camera ? &rendering->camera : NULL,
-                           .stop = &rendering->interrupt.signal,
-                           .progress = on_progress,
-                           .context = rendering};
+    RenderOptions out = {.threads = options->threads,
+                         .width = options->width,
+                         .height = options->height,
+                         .samples = options->samples,
+                         .seed = options->seed,
+                         .tile_width = options->tile_width,
+                         .tile_height = options->tile_height,
+                         .time_limit = options->time_limit,
+                         .aovs = picture_has_layers(&rendering->picture),
+                         .camera = rendering->has_camera ? &rendering->camera : NULL,
+                         .stop = &rendering->interrupt.signal,
+                         .progress = on_progress,
+                         .context = rendering};
+    if (options->range_last >= 0) {
+        out.first_sample = options->range_first;
+        out.samples = options->range_last - options->range_first + 1;
+        out.whole_samples = whole_samples(&rendering->loading);
+    }
+    return out;
 }
 
 // By a name, or by the text of a camera.
@@ -181,41 +226,64 @@ static int choose_camera(Rendering *rendering, const char *named)
     return EXIT_OK;
 }
 
-static void choose_look(Rendering *rendering)
-{
-    const Options *options = rendering->loading.options;
-    rendering->look = *renderer_film_params(rendering->renderer);
-    if (!isnan(options->exposure)) {
-        rendering->look.exposure = options->exposure;
-    }
-    if (options->tone >= 0) {
-        rendering->look.tone = options->tone;
-    }
-}
-
+// "a.png: 640 x 400, 64 samples, 3.1 s (and 0.1 s to build), 5.1 M rays/s"
 static void print_statistics(const Rendering *rendering, const Film *film)
 {
     const RenderStats *stats = &rendering->stats;
     uint64_t rays = stats->rays + stats->shadow_rays;
+    double samples = (double)stats->samples / (double)film_pixel_count(film);
     char build[32], seconds[32], rate[32];
     duration_text(stats->build_seconds, build, sizeof build);
     duration_text(stats->render_seconds, seconds, sizeof seconds);
     count_text(stats->render_seconds > 0 ? (double)rays / stats->render_seconds : 0, rate,
                sizeof rate);
-    fprintf(stderr, "%s: %u x %u, %u sample%s, %s (and %s to build), %s%srays/s\n",
-            rendering->picture.path, (unsigned)film->width, (unsigned)film->height,
-            (unsigned)film->samples_done, film->samples_done == 1 ? "" : "s", seconds, build, rate,
-            strchr(rate, ' ') ? "" : " ");
+    fprintf(stderr, "%s: %u x %u, %.*f sample%s, %s%s (and %s to build), %s%srays/s\n",
+            rendering->picture.path ? rendering->picture.path
+                                    : rendering->loading.options->checkpoint,
+            (unsigned)film->width, (unsigned)film->height, stats->stopped ? 1 : 0, samples,
+            samples == 1 ? "" : "s", stats->out_of_time ? "the time limit of " : "", seconds, build,
+            rate, strchr(rate, ' ') ? "" : " ");
     if (stats->bad_samples > 0) {
         fprintf(stderr, "scnrender: %llu samples were not finite or negative, and left out\n",
                 (unsigned long long)stats->bad_samples);
     }
 }
 
+// Writes what is done. An ExitCode, after a message if it isn't EXIT_OK.
+static int write_results(const Rendering *rendering)
+{
+    char message[1024];
+    int kept = EXIT_OK, code = EXIT_OK;
+    if (rendering->loading.options->checkpoint) {
+        kept = save(rendering, message, sizeof message);
+        if (kept != EXIT_OK) {
+            complain(kept, "%s", message);
+        }
+    }
+    if (rendering->picture.path) {
+        code = picture_write(&rendering->picture, renderer_film(rendering->renderer), message,
+                             sizeof message);
+        if (code != EXIT_OK) {
+            complain(code, "%s", message);
+        }
+    }
+    return code != EXIT_OK ? code : kept;
+}
+
+static void say_interrupted(const Rendering *rendering)
+{
+    const char *picture = rendering->picture.path;
+    const char *checkpoint = rendering->loading.options->checkpoint;
+    double pixels = (double)film_pixel_count(renderer_film(rendering->renderer));
+    double samples = (double)rendering->stats.samples / pixels;
+    complain(EXIT_OK, "interrupted; `%s` has what was done, %.1f samples a pixel%s%s%s",
+             picture ? picture : checkpoint, samples, checkpoint ? "; --checkpoint " : "",
+             checkpoint ? checkpoint : "", checkpoint ? " --resume goes on" : "");
+}
+
 // Writes what is done and says so.
 static int finish(Rendering *rendering, bool rendered, int signal_number)
 {
-    const Film *film = renderer_film(rendering->renderer);
     const Options *options = rendering->loading.options;
     if (*rendering->failure) {
         return complain(EXIT_FILES, "can't write `%s`: %s", rendering->picture.path,
@@ -228,19 +296,42 @@ static int finish(Rendering *rendering, bool rendered, int signal_number)
     if (!rendered) {
         return complain(EXIT_NO_MEMORY, "not enough memory to render");
     }
-    char message[1024];
-    int code = picture_write(&rendering->picture, film, message, sizeof message);
+    int code = write_results(rendering);
     if (code != EXIT_OK) {
-        return complain(code, "%s", message);
+        return code;
     }
     if (signal_number) {
-        double pixels = (double)film_pixel_count(film);
-        complain(EXIT_OK, "interrupted; `%s` has what was done, %.1f samples a pixel",
-                 rendering->picture.path, (double)rendering->stats.samples / pixels);
+        say_interrupted(rendering);
     } else if (!options->quiet && !options->json) {
-        print_statistics(rendering, film);
+        print_statistics(rendering, renderer_film(rendering->renderer));
     }
     return interrupted;
+}
+
+// The renderer is ready: takes up the checkpoint, renders, writes.
+static int run(Rendering *rendering)
+{
+    const Options *options = rendering->loading.options;
+    bool resumed;
+    int code = keep_resume(options, rendering->renderer, &resumed);
+    if (code != EXIT_OK) {
+        return code;
+    }
+    renderer_stats(rendering->renderer, &rendering->stats);
+    rendering->refresh_at = rendering->checkpoint_at = INFINITY;
+    if (rendering->picture.path) {
+        rendering->refresh_at = rendering->stats.render_seconds + FIRST_REFRESH_SECONDS;
+        image_preload(); // not earlier: Embree's own loading would have to wait for it
+    }
+    if (options->checkpoint) {
+        rendering->checkpoint_at = rendering->stats.render_seconds + options->checkpoint_interval;
+    }
+    interrupt_heed(&rendering->interrupt);
+    bar_begin(&rendering->bar, !options->quiet);
+    bool rendered = run_and_keep(rendering);
+    bar_end(&rendering->bar);
+    int stop = rendering->stats.stopped ? atomic_load(&rendering->interrupt.signal) : GO_ON;
+    return finish(rendering, rendered, stop > 0 ? stop : 0);
 }
 
 // The scene is sound: builds the renderer, shows all diagnostics together, renders.
@@ -255,17 +346,11 @@ static int render(Rendering *rendering)
     if (!rendering->renderer) {
         return code != EXIT_OK ? code : complain(EXIT_NO_MEMORY, "not enough memory to render");
     }
-    choose_look(rendering);
-    rendering->picture.film_params = &rendering->look;
     rendering->picture.camera = rendering->has_camera ? loading->options->camera : NULL;
-    rendering->picture.render_params = renderer_params(rendering->renderer);
-    rendering->refresh_at = FIRST_REFRESH_SECONDS;
-    image_preload(); // not earlier: Embree's own loading would have to wait for it
-    bar_begin(&rendering->bar, !loading->options->quiet);
-    bool rendered = run_with_refreshes(rendering);
-    bar_end(&rendering->bar);
-    int stop = rendering->stats.stopped ? atomic_load(&rendering->interrupt.signal) : GO_ON;
-    return finish(rendering, rendered, stop > 0 ? stop : 0);
+    if (!picture_describe(&rendering->picture, loading, rendering->renderer)) {
+        return complain(EXIT_NO_MEMORY, "not enough memory");
+    }
+    return run(rendering);
 }
 
 static int prepare(Rendering *rendering)
@@ -280,7 +365,13 @@ static int prepare(Rendering *rendering)
     if (code == EXIT_OK) {
         code = check_pixels(loading);
     }
-    return code == EXIT_OK ? picture_begin(&rendering->picture, loading) : code;
+    if (code == EXIT_OK) {
+        code = keep_check_range(options, whole_samples(loading));
+    }
+    if (code == EXIT_OK) {
+        code = picture_begin(&rendering->picture, loading);
+    }
+    return code == EXIT_OK ? keep_check(options) : code;
 }
 
 int command_render(const Options *options)

@@ -3,14 +3,10 @@
 // A pass brings every pixel to the same number of samples: 1, 4, 16 and SAMPLE_BLOCK, then one
 // block more each time, so that a first picture comes soon. A pixel's sums depend on its samples
 // only (see film.h), and its samples on its place and their numbers only (sampler.h).
-#include "render/render.h"
+#include "render/renderer.h"
 
 #include "base/mem.h"
 #include "base/thread.h"
-#include "render/camera.h"
-#include "render/filter.h"
-#include "render/tiles.h"
-#include "render/world.h"
 
 #include <time.h>
 
@@ -18,40 +14,11 @@ static const double report_interval = 0.05; // seconds
 static const int64_t max_pixels = INT64_C(1) << 30;
 static const int64_t max_sample = INT64_C(1) << 31;
 
-struct Renderer {
-    const Scene *scene;
-    RenderOptions options;
-    FilmParams film_params;
-    RenderParams params;
-    const IntegratorClass *integrator;
-    World *world;
-    Camera camera;
-    PixelFilter filter;
-    TileList tiles;
-    Film film;
-    uint32_t seed, samples; // samples: of this renderer, from film.first_sample on
-    double build_seconds, render_seconds;
-    // of the pass under way
-    uint32_t target; // samples that each pixel shall have
-    double began;    // when this run did
-    uint64_t samples_before;
-    // counted tile by tile
-    atomic_uint_least64_t samples_done, rays, shadow_rays, bad_samples;
-    // of the reports
-    atomic_flag reporting;
-    double last_report;
-};
-
-static double now(void)
+double renderer_clock(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static bool stopped(const Renderer *r)
-{
-    return r->options.stop && atomic_load_explicit(r->options.stop, memory_order_relaxed) != 0;
 }
 
 // --- Making ready --------------------------------------------------------------------------------
@@ -117,6 +84,11 @@ static void choose_camera(Renderer *r, DiagSink *sink)
     camera_default(&r->camera, accel_bounds(r->world->accel), width, height);
 }
 
+static uint32_t tile_side(int wanted)
+{
+    return wanted > 0 ? (uint32_t)wanted : TILE_SIZE;
+}
+
 static bool prepare(Renderer *r, DiagSink *sink)
 {
     if (!resolve_settings(r, sink)) {
@@ -125,7 +97,8 @@ static bool prepare(Renderer *r, DiagSink *sink)
     const uint32_t width = (uint32_t)r->film_params.width, height = (uint32_t)r->film_params.height;
     if (!film_init(&r->film, width, height, (uint32_t)r->options.first_sample, r->samples,
                    r->options.aovs) ||
-        !tiles_init(&r->tiles, width, height)) {
+        !tiles_init(&r->tiles, width, height, tile_side(r->options.tile_width),
+                    tile_side(r->options.tile_height))) {
         diag_report(sink, E0001, (Span){0}, "not enough memory for a picture of %u x %u pixels",
                     width, height);
         return false;
@@ -151,7 +124,7 @@ Renderer *renderer_new(const Scene *scene, const RenderOptions *options, DiagSin
         diag_report(sink, E0001, (Span){0}, "not enough memory to render");
         return NULL;
     }
-    const double began = now();
+    const double began = renderer_clock();
     r->scene = scene;
     r->options = *options;
     if (r->options.threads == 0) {
@@ -161,12 +134,14 @@ Renderer *renderer_new(const Scene *scene, const RenderOptions *options, DiagSin
     atomic_init(&r->rays, 0);
     atomic_init(&r->shadow_rays, 0);
     atomic_init(&r->bad_samples, 0);
+    atomic_init(&r->out_of_time, false);
+    atomic_init(&r->last_report, 0);
     atomic_flag_clear(&r->reporting);
     if (!prepare(r, sink)) {
         renderer_free(r);
         return NULL;
     }
-    r->build_seconds = now() - began;
+    r->build_seconds = renderer_clock() - began;
     return r;
 }
 
@@ -202,145 +177,22 @@ const Camera *renderer_camera(const Renderer *r)
     return &r->camera;
 }
 
-// --- Pixels --------------------------------------------------------------------------------------
-
-typedef struct PixelSums {
-    FilmPixel color;
-    AovPixel aov;
-} PixelSums;
-
-// What a tile counts, to be added to the renderer's totals once.
-typedef struct TileCount {
-    IntegratorStats rays;
-    uint64_t samples;
-} TileCount;
-
-// Light that is negative or not finite would spoil the pixel for good: counted, and taken as black.
-static Rgb checked(Rgb radiance, IntegratorStats *stats)
-{
-    if (!rgb_is_finite(radiance) || radiance.r < 0 || radiance.g < 0 || radiance.b < 0) {
-        ++stats->bad_samples;
-        return rgb_gray(0);
-    }
-    return radiance;
-}
-
-static Rgb take_sample(const Renderer *r, uint32_t x, uint32_t y, uint32_t number, AovSample *aov,
-                       IntegratorStats *stats)
-{
-    Sampler sampler;
-    sampler_start(&sampler, r->seed, x, y, number);
-    float u, v, lens_u, lens_v;
-    sampler_2d(&sampler, &u, &v);
-    sampler_2d(&sampler, &lens_u, &lens_v);
-    const double film_x = (x + 0.5 + filter_sample(&r->filter, u)) / r->film.width;
-    const double film_y = (y + 0.5 + filter_sample(&r->filter, v)) / r->film.height;
-    Ray ray;
-    if (!camera_ray(&r->camera, film_x, film_y, lens_u, lens_v, &ray)) {
-        return rgb_gray(0);
-    }
-    const Rgb radiance = r->integrator->radiance(r->world, &ray, &sampler, aov, stats);
-    if (aov && aov->object != 0) {
-        aov->depth = camera_depth(&r->camera, aov->position);
-    }
-    return checked(radiance, stats);
-}
-
-// Adds samples [from, to) of this renderer to *sums; returns where it got before a stop.
-static uint32_t take_samples(const Renderer *r, uint32_t x, uint32_t y, uint32_t from, uint32_t to,
-                             PixelSums *sums, IntegratorStats *stats)
-{
-    for (; from < to && !stopped(r); ++from) {
-        AovSample aov = {.object = 0};
-        const Rgb radiance =
-            take_sample(r, x, y, r->film.first_sample + from, r->film.aovs ? &aov : NULL, stats);
-        film_pixel_add(&sums->color, radiance);
-        if (r->film.aovs) {
-            film_aov_add(&sums->aov, &aov);
-        }
-    }
-    return from;
-}
-
-static void keep_block(Film *film, size_t pixel, uint32_t block, const PixelSums *sums)
-{
-    const size_t at = block * film_pixel_count(film) + pixel;
-    if (film->blocks) {
-        film->blocks[at] = sums->color;
-    }
-    if (film->aov_blocks) {
-        film->aov_blocks[at] = sums->aov;
-    }
-}
-
-// The first block grows in the pixel itself, pass by pass.
-static bool extend_first_block(Renderer *r, uint32_t x, uint32_t y, size_t at, uint32_t end,
-                               IntegratorStats *stats)
-{
-    Film *film = &r->film;
-    PixelSums sums = {.color = film->pixels[at]};
-    if (film->aovs) {
-        sums.aov = film->aovs[at];
-    }
-    const bool whole = take_samples(r, x, y, sums.color.samples, end, &sums, stats) == end;
-    film->pixels[at] = sums.color;
-    if (film->aovs) {
-        film->aovs[at] = sums.aov;
-    }
-    keep_block(film, at, 0, &sums);
-    return whole;
-}
-
-// Further blocks are summed apart and then added; one that a stop cuts short is dropped, to be
-// rendered again.
-static bool add_block(Renderer *r, uint32_t x, uint32_t y, size_t at, uint32_t end,
-                      IntegratorStats *stats)
-{
-    Film *film = &r->film;
-    PixelSums sums = {.color = {.samples = 0}};
-    const uint32_t begin = film->pixels[at].samples;
-    if (take_samples(r, x, y, begin, end, &sums, stats) != end) {
-        return false;
-    }
-    film_pixel_join(&film->pixels[at], &sums.color);
-    if (film->aovs) {
-        film_aov_join(&film->aovs[at], &sums.aov);
-    }
-    keep_block(film, at, begin / SAMPLE_BLOCK, &sums);
-    return true;
-}
-
-// Brings one pixel to the pass's target. False after a stop.
-static bool render_pixel(Renderer *r, uint32_t x, uint32_t y, TileCount *count)
-{
-    const size_t at = (size_t)y * r->film.width + x;
-    const FilmPixel *pixel = &r->film.pixels[at];
-    bool whole = true;
-    while (whole && pixel->samples < r->target) {
-        const uint32_t before = pixel->samples;
-        const uint32_t block_end = (before / SAMPLE_BLOCK + 1) * SAMPLE_BLOCK;
-        const uint32_t end = block_end < r->target ? block_end : r->target;
-        whole = before < SAMPLE_BLOCK ? extend_first_block(r, x, y, at, end, &count->rays)
-                                      : add_block(r, x, y, at, end, &count->rays);
-        count->samples += pixel->samples - before;
-    }
-    return whole;
-}
-
 // --- Passes --------------------------------------------------------------------------------------
 
 static void report(Renderer *r, bool pass_done)
 {
     const uint64_t all = (uint64_t)r->samples * film_pixel_count(&r->film);
     const uint64_t done = atomic_load_explicit(&r->samples_done, memory_order_relaxed);
-    const double run = now() - r->began;
+    const double run = renderer_clock() - r->began;
     // What was done in earlier runs says nothing about this one's speed.
     const double speed = run > 0 ? (double)(done - r->samples_before) / run : 0;
+    const double left = speed > 0 ? (double)(all - done) / speed : INFINITY;
+    const double limit = fmax(r->deadline - renderer_clock(), 0);
     const RenderProgress progress = {
         .film = &r->film,
         .fraction = (double)done / (double)all,
         .seconds = r->render_seconds + run,
-        .seconds_left = speed > 0 ? (double)(all - done) / speed : INFINITY,
+        .seconds_left = fmin(left, limit),
         .rays = atomic_load_explicit(&r->rays, memory_order_relaxed) +
                 atomic_load_explicit(&r->shadow_rays, memory_order_relaxed),
         .samples = done,
@@ -349,16 +201,21 @@ static void report(Renderer *r, bool pass_done)
     r->options.progress(r->options.context, &progress);
 }
 
-// Reports if it is time and no other thread is at it.
-static void report_now_and_then(Renderer *r)
+void renderer_tick(Renderer *r)
 {
-    if (!r->options.progress || atomic_flag_test_and_set(&r->reporting)) {
+    const double time = renderer_clock();
+    if (time >= r->deadline) {
+        atomic_store_explicit(&r->out_of_time, true, memory_order_relaxed);
+    }
+    if (!r->options.progress ||
+        time - atomic_load_explicit(&r->last_report, memory_order_relaxed) < report_interval ||
+        atomic_flag_test_and_set(&r->reporting)) {
         return;
     }
-    const double time = now();
-    if (time - r->last_report >= report_interval) {
+    // Perhaps another thread reported in between.
+    if (time - atomic_load_explicit(&r->last_report, memory_order_relaxed) >= report_interval) {
         report(r, false);
-        r->last_report = now();
+        atomic_store_explicit(&r->last_report, renderer_clock(), memory_order_relaxed);
     }
     atomic_flag_clear(&r->reporting);
 }
@@ -380,11 +237,11 @@ static void render_tile(void *context, uint64_t item, unsigned worker)
     bool go_on = true;
     for (uint32_t y = tile.y0; go_on && y < tile.y1; ++y) {
         for (uint32_t x = tile.x0; go_on && x < tile.x1; ++x) {
-            go_on = render_pixel(r, x, y, &count);
+            go_on = pixel_render(r, x, y, &count);
         }
     }
     add_count(r, &count);
-    report_now_and_then(r);
+    renderer_tick(r);
 }
 
 static uint32_t next_target(const Renderer *r)
@@ -397,7 +254,7 @@ static uint32_t next_target(const Renderer *r)
     return target < r->samples ? target : r->samples;
 }
 
-static void fill_stats(const Renderer *r, RenderStats *stats)
+void renderer_stats(const Renderer *r, RenderStats *stats)
 {
     *stats = (RenderStats){
         .build_seconds = r->build_seconds,
@@ -407,18 +264,23 @@ static void fill_stats(const Renderer *r, RenderStats *stats)
         .samples = atomic_load(&r->samples_done),
         .bad_samples = atomic_load(&r->bad_samples),
         .stopped = r->film.samples_done < r->samples,
+        .out_of_time = atomic_load(&r->out_of_time),
     };
 }
 
 bool renderer_run(Renderer *r, RenderStats *stats)
 {
-    r->began = now();
-    r->last_report = r->began;
+    r->began = renderer_clock();
+    r->deadline = r->options.time_limit > 0
+                      ? r->began + fmax(r->options.time_limit - r->render_seconds, 0)
+                      : INFINITY;
+    atomic_store(&r->out_of_time, false);
+    atomic_store(&r->last_report, r->began);
     r->samples_before = atomic_load(&r->samples_done);
-    while (r->film.samples_done < r->samples && !stopped(r)) {
+    while (r->film.samples_done < r->samples && !renderer_stopped(r)) {
         r->target = next_target(r);
         parallel_for(r->tiles.count, r->options.threads, render_tile, r, r->options.stop);
-        if (stopped(r)) {
+        if (renderer_stopped(r)) {
             break; // maybe between pixels; the next run finds what is missing
         }
         r->film.samples_done = r->target;
@@ -426,9 +288,9 @@ bool renderer_run(Renderer *r, RenderStats *stats)
             report(r, true);
         }
     }
-    r->render_seconds += now() - r->began;
+    r->render_seconds += renderer_clock() - r->began;
     if (stats) {
-        fill_stats(r, stats);
+        renderer_stats(r, stats);
     }
     return true;
 }

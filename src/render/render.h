@@ -33,6 +33,9 @@ typedef struct RenderOptions {
     // For a part of a picture: the number of its first sample, a multiple of SAMPLE_BLOCK;
     // `samples` is how many from there on. Parts are joined by film_merge.
     int64_t first_sample;
+    int64_t whole_samples;       // of the whole picture, where this is a part; 0: it isn't
+    double time_limit;           // seconds of rendering, after which what is done is kept; 0: none
+    int tile_width, tile_height; // pixels; 0: TILE_SIZE. They change no byte
     bool aovs;
     const IntegratorClass *integrator; // NULL: the scene's
     // A world that was built of the same scene before, so that only the camera or the size changes;
@@ -40,7 +43,7 @@ typedef struct RenderOptions {
     World *world;
     const CameraParams *camera; // in world space, instead of the scene's; NULL: the scene's
     const atomic_int *stop;     // non-zero: stop soon, keep what is done; may be NULL
-    // Called from the rendering thread that finished a tile (one at a time), at most every 50 ms,
+    // Called from one of the rendering threads (one at a time), at most every 50 ms,
     // and at the end of each pass over the picture with pass_done = true, when no thread writes to
     // the film. The passes end after 1, 4, 16, 64 and then every 64 samples a pixel.
     void (*progress)(void *context, const struct RenderProgress *progress);
@@ -58,7 +61,8 @@ typedef struct RenderProgress {
 typedef struct RenderStats {
     double build_seconds, render_seconds;
     uint64_t rays, shadow_rays, samples, bad_samples;
-    bool stopped;
+    bool stopped;     // before all was done
+    bool out_of_time; // because the time limit was reached
 } RenderStats;
 
 typedef struct Renderer Renderer;
@@ -72,6 +76,8 @@ Renderer *renderer_new(const Scene *scene, const RenderOptions *options, DiagSin
 // NULL) counts all runs together. Returns false only if nothing at all could be rendered.
 bool renderer_run(Renderer *renderer, RenderStats *stats);
 const Film *renderer_film(const Renderer *renderer);
+// What was counted so far; not while it runs.
+void renderer_stats(const Renderer *renderer, RenderStats *stats);
 // What was in force, the options counted in: for the picture's metadata.
 const FilmParams *renderer_film_params(const Renderer *renderer);
 const RenderParams *renderer_params(const Renderer *renderer);

@@ -40,10 +40,16 @@ static int compare_places(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-bool tiles_init(TileList *tiles, uint32_t width, uint32_t height)
+bool tiles_init(TileList *tiles, uint32_t width, uint32_t height, uint32_t tile_width,
+                uint32_t tile_height)
 {
-    const uint32_t columns = ceil_divide(width, TILE_SIZE), rows = ceil_divide(height, TILE_SIZE);
-    *tiles = (TileList){.width = width, .height = height, .columns = columns};
+    const uint32_t columns = ceil_divide(width, tile_width);
+    const uint32_t rows = ceil_divide(height, tile_height);
+    *tiles = (TileList){.width = width,
+                        .height = height,
+                        .tile_width = tile_width,
+                        .tile_height = tile_height,
+                        .columns = columns};
     tiles->count = (uint64_t)columns * rows;
     tiles->order = mem_alloc(tiles->count, sizeof *tiles->order);
     Place *places = mem_alloc(tiles->count, sizeof *places);
@@ -78,11 +84,12 @@ void tiles_free(TileList *tiles)
 Tile tile_at(const TileList *tiles, uint64_t number)
 {
     const uint32_t index = tiles->order[number];
-    const uint32_t x = index % tiles->columns * TILE_SIZE, y = index / tiles->columns * TILE_SIZE;
+    const uint32_t w = tiles->tile_width, h = tiles->tile_height;
+    const uint32_t x = index % tiles->columns * w, y = index / tiles->columns * h;
     return (Tile){
         .x0 = x,
         .y0 = y,
-        .x1 = tiles->width - x < TILE_SIZE ? tiles->width : x + TILE_SIZE,
-        .y1 = tiles->height - y < TILE_SIZE ? tiles->height : y + TILE_SIZE,
+        .x1 = tiles->width - x < w ? tiles->width : x + w,
+        .y1 = tiles->height - y < h ? tiles->height : y + h,
     };
 }

@@ -36,7 +36,7 @@ if command -v bash >/dev/null; then
     expect_no_text out --dump
     complete scnrender ball.scn --
     expect_text out --samples
-    expect_no_text out --check
+    expect_no_text out --diff
     complete scnrender check ball
     expect_text out ball.scn
     cp ball.scn 'two words.scn'

@@ -296,13 +296,16 @@ static void development_applies_exposure_and_tone(void **state)
 static void tiles_cover_each_pixel_once(void **state)
 {
     (void)state;
-    const uint32_t sizes[][2] = {{1, 1}, {16, 16}, {17, 15}, {960, 540}, {1, 999}, {333, 40}};
+    const uint32_t sizes[][4] = {
+        {1, 1, 16, 16},     {16, 16, 16, 16}, {17, 15, 16, 16},
+        {960, 540, 16, 16}, {1, 999, 7, 5},   {333, 40, 1, 1},
+        {333, 40, 334, 1},  {50, 60, 49, 61}, {64, 64, 1u << 20, 1u << 20}};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
         const uint32_t w = sizes[s][0], h = sizes[s][1];
         char *seen = calloc(w, h);
         assert_non_null(seen);
         TileList tiles;
-        assert_true(tiles_init(&tiles, w, h));
+        assert_true(tiles_init(&tiles, w, h, sizes[s][2], sizes[s][3]));
         for (uint64_t i = 0; i < tiles.count; ++i) {
             const Tile t = tile_at(&tiles, i);
             assert_true(t.x0 < t.x1 && t.x1 <= w && t.y0 < t.y1 && t.y1 <= h);
@@ -322,7 +325,7 @@ static void tiles_follow_their_neighbours(void **state)
 {
     (void)state;
     TileList tiles;
-    assert_true(tiles_init(&tiles, 512, 512));
+    assert_true(tiles_init(&tiles, 512, 512, TILE_SIZE, TILE_SIZE));
     for (uint64_t i = 1; i < tiles.count; ++i) {
         const Tile a = tile_at(&tiles, i - 1), b = tile_at(&tiles, i);
         const int dx = abs((int)a.x0 - (int)b.x0), dy = abs((int)a.y0 - (int)b.y0);

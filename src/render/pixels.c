@@ -1,0 +1,123 @@
+// The samples of one pixel: drawn in order, summed in blocks (see film.h).
+#include "render/renderer.h"
+
+enum { TICK_SAMPLES = 16 }; // samples from one look at the clock to the next
+
+typedef struct PixelSums {
+    FilmPixel color;
+    AovPixel aov;
+} PixelSums;
+
+// Light that is negative or not finite would spoil the pixel for good: counted, and taken as black.
+static Rgb checked(Rgb radiance, IntegratorStats *stats)
+{
+    if (!rgb_is_finite(radiance) || radiance.r < 0 || radiance.g < 0 || radiance.b < 0) {
+        ++stats->bad_samples;
+        return rgb_gray(0);
+    }
+    return radiance;
+}
+
+static Rgb take_sample(const Renderer *r, uint32_t x, uint32_t y, uint32_t number, AovSample *aov,
+                       IntegratorStats *stats)
+{
+    Sampler sampler;
+    sampler_start(&sampler, r->seed, x, y, number);
+    float u, v, lens_u, lens_v;
+    sampler_2d(&sampler, &u, &v);
+    sampler_2d(&sampler, &lens_u, &lens_v);
+    const double film_x = (x + 0.5 + filter_sample(&r->filter, u)) / r->film.width;
+    const double film_y = (y + 0.5 + filter_sample(&r->filter, v)) / r->film.height;
+    Ray ray;
+    if (!camera_ray(&r->camera, film_x, film_y, lens_u, lens_v, &ray)) {
+        return rgb_gray(0);
+    }
+    const Rgb radiance = r->integrator->radiance(r->world, &ray, &sampler, aov, stats);
+    if (aov && aov->object != 0) {
+        aov->depth = camera_depth(&r->camera, aov->position);
+    }
+    return checked(radiance, stats);
+}
+
+// Adds samples [from, to) of this renderer to *sums; returns where it got before a stop.
+static uint32_t take_samples(Renderer *r, uint32_t x, uint32_t y, uint32_t from, uint32_t to,
+                             PixelSums *sums, IntegratorStats *stats)
+{
+    for (; from < to && !renderer_stopped(r); ++from) {
+        AovSample aov = {.object = 0};
+        const Rgb radiance =
+            take_sample(r, x, y, r->film.first_sample + from, r->film.aovs ? &aov : NULL, stats);
+        film_pixel_add(&sums->color, radiance);
+        if (r->film.aovs) {
+            film_aov_add(&sums->aov, &aov);
+        }
+        if (from % TICK_SAMPLES == 0) {
+            renderer_tick(r);
+        }
+    }
+    return from;
+}
+
+static void keep_block(Film *film, size_t pixel, uint32_t block, const PixelSums *sums)
+{
+    const size_t at = block * film_pixel_count(film) + pixel;
+    if (film->blocks) {
+        film->blocks[at] = sums->color;
+    }
+    if (film->aov_blocks) {
+        film->aov_blocks[at] = sums->aov;
+    }
+}
+
+// The first block grows in the pixel itself, pass by pass.
+static bool extend_first_block(Renderer *r, uint32_t x, uint32_t y, size_t at, uint32_t end,
+                               IntegratorStats *stats)
+{
+    Film *film = &r->film;
+    PixelSums sums = {.color = film->pixels[at]};
+    if (film->aovs) {
+        sums.aov = film->aovs[at];
+    }
+    const bool whole = take_samples(r, x, y, sums.color.samples, end, &sums, stats) == end;
+    film->pixels[at] = sums.color;
+    if (film->aovs) {
+        film->aovs[at] = sums.aov;
+    }
+    keep_block(film, at, 0, &sums);
+    return whole;
+}
+
+// Further blocks are summed apart and then added; one that a stop cuts short is dropped, to be
+// rendered again.
+static bool add_block(Renderer *r, uint32_t x, uint32_t y, size_t at, uint32_t end,
+                      IntegratorStats *stats)
+{
+    Film *film = &r->film;
+    PixelSums sums = {.color = {.samples = 0}};
+    const uint32_t begin = film->pixels[at].samples;
+    if (take_samples(r, x, y, begin, end, &sums, stats) != end) {
+        return false;
+    }
+    film_pixel_join(&film->pixels[at], &sums.color);
+    if (film->aovs) {
+        film_aov_join(&film->aovs[at], &sums.aov);
+    }
+    keep_block(film, at, begin / SAMPLE_BLOCK, &sums);
+    return true;
+}
+
+bool pixel_render(Renderer *r, uint32_t x, uint32_t y, TileCount *count)
+{
+    const size_t at = (size_t)y * r->film.width + x;
+    const FilmPixel *pixel = &r->film.pixels[at];
+    bool whole = true;
+    while (whole && pixel->samples < r->target) {
+        const uint32_t before = pixel->samples;
+        const uint32_t block_end = (before / SAMPLE_BLOCK + 1) * SAMPLE_BLOCK;
+        const uint32_t end = block_end < r->target ? block_end : r->target;
+        whole = before < SAMPLE_BLOCK ? extend_first_block(r, x, y, at, end, &count->rays)
+                                      : add_block(r, x, y, at, end, &count->rays);
+        count->samples += pixel->samples - before;
+    }
+    return whole;
+}

@@ -1,0 +1,61 @@
+// The renderer's inside, shared by the files that make it up: render.c (settings and passes),
+// pixels.c (the samples of one pixel), resume.c (checkpoints).
+#ifndef RENDER_RENDERER_H
+#define RENDER_RENDERER_H
+
+#include "render/camera.h"
+#include "render/filter.h"
+#include "render/render.h"
+#include "render/tiles.h"
+#include "render/world.h"
+
+struct Renderer {
+    const Scene *scene;
+    RenderOptions options;
+    FilmParams film_params;
+    RenderParams params;
+    const IntegratorClass *integrator;
+    World *world;
+    Camera camera;
+    PixelFilter filter;
+    TileList tiles;
+    Film film;
+    uint32_t seed, samples; // samples: of this renderer, from film.first_sample on
+    double build_seconds, render_seconds;
+    // of the pass under way
+    uint32_t target;         // samples that each pixel shall have
+    double began;            // when this run did
+    double deadline;         // when it has to end; INFINITY: no limit
+    atomic_bool out_of_time; // the deadline has passed
+    uint64_t samples_before;
+    // counted tile by tile
+    atomic_uint_least64_t samples_done, rays, shadow_rays, bad_samples;
+    // of the reports
+    atomic_flag reporting;
+    _Atomic double last_report;
+};
+
+// Seconds on a clock that only goes forward.
+double renderer_clock(void);
+
+// True once rendering shall end: asked for, or out of time.
+static inline bool renderer_stopped(const Renderer *r)
+{
+    return (r->options.stop && atomic_load_explicit(r->options.stop, memory_order_relaxed) != 0) ||
+           atomic_load_explicit(&r->out_of_time, memory_order_relaxed);
+}
+
+// Looks at the clock: ends the run at its deadline, and reports if it is time and no other thread
+// is at it. Called every few samples.
+void renderer_tick(Renderer *r);
+
+// What a tile counts, to be added to the renderer's totals once.
+typedef struct TileCount {
+    IntegratorStats rays;
+    uint64_t samples;
+} TileCount;
+
+// Brings one pixel of the film to r->target samples. False after a stop.
+bool pixel_render(Renderer *r, uint32_t x, uint32_t y, TileCount *count);
+
+#endif
