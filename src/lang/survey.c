@@ -96,6 +96,14 @@ int64_t survey_import(const Survey *survey, uint32_t file, AstId item)
     return (int64_t)survey_ast(survey, file)->nodes.items[item].aux - 1;
 }
 
+AstId survey_find_global(const Survey *survey, uint32_t file, Str name)
+{
+    const Module *module = module_at(survey, file);
+    Symbol symbol = interned(survey->ev->names, name);
+    int64_t slot = symbol ? module_find(module, symbol) : -1;
+    return slot >= 0 ? module->globals.items[slot].item : 0;
+}
+
 // --- Names -----------------------------------------------------------------------------------
 
 static uint32_t constant_number(const AstNode *node)
@@ -158,6 +166,85 @@ Quantity survey_number(const Survey *survey, uint32_t file, AstId id)
 {
     const AstNode *node = ast_node(survey_ast(survey, file), id);
     return (Quantity){ast_number(node), node->op};
+}
+
+// --- Colors ----------------------------------------------------------------------------------
+
+// A number written out, perhaps negated or computed of such.
+static bool is_written_out(const Ast *ast, AstId id, int depth)
+{
+    const AstNode *node = ast_node(ast, id);
+    enum { DEEPEST = 16 };
+    switch ((AstTag)node->tag) {
+    case AST_NUMBER:
+    case AST_COLOR:
+        return true;
+    case AST_UNARY:
+        return depth < DEEPEST && node->a && is_written_out(ast, node->a, depth + 1);
+    case AST_BINARY:
+        return depth < DEEPEST && node->a && node->b && is_written_out(ast, node->a, depth + 1) &&
+               is_written_out(ast, node->b, depth + 1);
+    default:
+        return false;
+    }
+}
+
+static bool is_color_call(const Ast *ast, const AstNode *call)
+{
+    static const char *const names[] = {"rgb", "srgb", "hsv", "gray", "blackbody"};
+    const AstNode *callee = ast_node(ast, call->a);
+    if (call->tag != AST_CALL || callee->tag != AST_NAME || callee->op != NAME_BUILTIN) {
+        return false;
+    }
+    bool known = false;
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        known = known || strcmp(names[i], builtins[callee->a].name) == 0;
+    }
+    uint32_t count = ast_list_count(ast, call->b);
+    for (uint32_t i = 0; i < count && known; ++i) {
+        known = is_written_out(ast, ast_list_items(ast, call->b)[i], 0);
+    }
+    return known && count > 0;
+}
+
+// Evaluates for once; mistakes go nowhere.
+static Value evaluate_alone(Eval *ev, Env *env, AstId node)
+{
+    Value v = value_error();
+    if (setjmp(ev->on_oom) == 0) {
+        for (int i = 0; i < REGION_COUNT; ++i) {
+            ev->regions[i].on_oom = &ev->on_oom;
+        }
+        v = eval(ev, env, node);
+    }
+    end_jumps(ev);
+    return v;
+}
+
+bool survey_color(const Survey *survey, uint32_t file, AstId id, double color[3])
+{
+    const Module *module = module_at(survey, file);
+    const AstNode *node = ast_node(&module->ast, id);
+    if (node->tag != AST_COLOR && (node->tag != AST_CALL || !is_color_call(&module->ast, node))) {
+        return false;
+    }
+    Eval *ev = survey->ev;
+    ArenaMark mark = arena_mark(ev->arena);
+    Arena scratch = {0};
+    DiagSink nowhere, *sink = ev->sink;
+    diag_sink_init(&nowhere, &scratch);
+    ev->sink = &nowhere;
+    ev->stop = STOP_NOT;
+    Value v = evaluate_alone(ev, module->env, id);
+    ev->sink = sink;
+    bool good = v.type == VALUE_COLOR;
+    for (int i = 0; i < 3; ++i) {
+        color[i] = good ? v.components[i] : 0;
+    }
+    arena_rewind(ev->arena, mark);
+    diag_sink_free(&nowhere);
+    arena_free(&scratch);
+    return good;
 }
 
 const Param *survey_field(const Survey *survey, const NodeType *type, const AstNode *field,

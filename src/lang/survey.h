@@ -42,11 +42,16 @@ typedef struct Meaning {
 Meaning survey_meaning(const Survey *survey, uint32_t file, AstId node);
 // The file that an IMPORT brings, or -1 where it could not be read.
 int64_t survey_import(const Survey *survey, uint32_t file, AstId item);
+// The item that the file itself declares under a name, or 0.
+AstId survey_find_global(const Survey *survey, uint32_t file, Str name);
 // Where and how a declaration (see MEANS_ITEM) is called.
 Span survey_name_span(const Survey *survey, uint32_t file, AstId item);
 Str survey_name(const Survey *survey, uint32_t file, AstId item);
 // The value of a NUMBER in SI, with its dimension.
 Quantity survey_number(const Survey *survey, uint32_t file, AstId node);
+// The linear components of a color that is written out: a COLOR, or a CALL of a built-in function of
+// colors whose arguments are numbers written out. False for anything else, and for mistakes.
+bool survey_color(const Survey *survey, uint32_t file, AstId node, double color[3]);
 // A FIELD of a KIND (see schema.h): its parameter, or NULL and *common, or NULL and 0 for `items`,
 // `of` and unknown ones.
 const Param *survey_field(const Survey *survey, const NodeType *type, const AstNode *field,

@@ -106,8 +106,25 @@ const Buffer *place_text(const PlaceFile *file)
     return file->text ? file->text : &file->own;
 }
 
+// The beginning of a file that isn't open, whatever it holds.
+static cJSON *file_location(Places *places, const char *path)
+{
+    const char *uri = uri_from_path(&places->server->scratch, path);
+    if (!uri) {
+        return NULL;
+    }
+    Buffer empty = {0};
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "uri", uri);
+    cJSON_AddItemToObject(json, "range", json_range(places->server, &empty, 0, 0));
+    return json;
+}
+
 cJSON *places_location(Places *places, const FilePlace *at)
 {
+    if (at->path && at->end == 0 && !document_by_path(places->server, at->path)) {
+        return file_location(places, at->path);
+    }
     const PlaceFile *file = places_file(places, at->path);
     if (!file) {
         return NULL;

@@ -2,6 +2,8 @@
 
 #include "lsp/json.h"
 
+#include <stdlib.h>
+
 void report_free(Report *report)
 {
     array_free(&report->items);
@@ -141,10 +143,14 @@ void report_edit(Report *report, const char *path, uint32_t begin, uint32_t end,
             move_place(&item->links[k].at, &edit);
         }
     }
+    size_t kept = 0;
     for (size_t i = 0; i < report->values.count; ++i) {
-        ReportValue *value = &report->values.items[i];
-        value->gone |= !move_place(&value->name, &edit);
+        ReportValue value = report->values.items[i];
+        if (move_place(&value.name, &edit)) {
+            report->values.items[kept++] = value;
+        }
     }
+    report->values.count = kept;
 }
 
 static bool same_place(const FilePlace *a, const FilePlace *b)
@@ -162,6 +168,43 @@ bool report_has(const Report *report, const ReportItem *item)
         }
     }
     return false;
+}
+
+// --- Values --------------------------------------------------------------------------------------
+
+static int compare_places(const char *path, uint32_t begin, const FilePlace *other)
+{
+    int order = strcmp(path, other->path);
+    return order ? order : (begin > other->begin) - (begin < other->begin);
+}
+
+static int compare_values(const void *a, const void *b)
+{
+    const ReportValue *left = a, *right = b;
+    return compare_places(left->name.path, left->name.begin, &right->name);
+}
+
+static void sort_values(Report *report)
+{
+    if (report->values.count > 0) {
+        qsort(report->values.items, report->values.count, sizeof(ReportValue), compare_values);
+    }
+}
+
+const ReportValue *report_value(const Report *report, const char *path, uint32_t begin)
+{
+    size_t low = 0, high = report->values.count;
+    while (path && low < high) {
+        size_t middle = low + (high - low) / 2;
+        const ReportValue *value = &report->values.items[middle];
+        int order = compare_places(path, begin, &value->name);
+        if (order == 0) {
+            return value;
+        }
+        low = order > 0 ? middle + 1 : low;
+        high = order < 0 ? middle : high;
+    }
+    return NULL;
 }
 
 // --- As JSON -------------------------------------------------------------------------------------
@@ -289,7 +332,9 @@ bool report_from_json(Report *report, const cJSON *json)
                              .varies = json_get_true(entry, "varies"),
                              .type = copy(report, json_get_string(entry, "type")),
                              .text = copy(report, json_get_string(entry, "text"))};
-        good = value.type && value.text && array_push(&report->values, value) && good;
+        good = value.name.path && value.type && value.text && array_push(&report->values, value) &&
+               good;
     }
+    sort_values(report);
     return good;
 }

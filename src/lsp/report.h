@@ -34,7 +34,7 @@ typedef struct ReportItem {
 typedef struct ReportValue {
     FilePlace name;
     uint32_t times;
-    bool varies, gone;
+    bool varies;
     const char *type, *text;
 } ReportValue;
 
@@ -53,6 +53,9 @@ bool report_take(Report *report, Lang *lang, const Observations *observed);
 void report_edit(Report *report, const char *path, uint32_t begin, uint32_t end, uint32_t length);
 // Whether it holds the same diagnostic.
 bool report_has(const Report *report, const ReportItem *item);
+
+// What the name at byte `begin` of a file came to, or NULL. In reports that were read.
+const ReportValue *report_value(const Report *report, const char *path, uint32_t begin);
 
 cJSON *report_to_json(const Report *report);
 // False where it is no report, or without memory; what could be read is in it.

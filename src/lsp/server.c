@@ -1,6 +1,7 @@
 #include "lsp/server.h"
 
 #include "base/mem.h"
+#include "lsp/features.h"
 #include "lsp/uri.h"
 
 #include <errno.h>
@@ -201,6 +202,11 @@ static const char *encoding_name(PositionEncoding encoding)
     return names[encoding];
 }
 
+static void add_list(cJSON *object, const char *name, const char *const *strings, int count)
+{
+    cJSON_AddItemToObject(object, name, cJSON_CreateStringArray(strings, count));
+}
+
 static void add_sync(cJSON *capabilities)
 {
     cJSON *sync = cJSON_AddObjectToObject(capabilities, "textDocumentSync");
@@ -211,6 +217,44 @@ static void add_sync(cJSON *capabilities)
     cJSON *folders = cJSON_AddObjectToObject(workspace, "workspaceFolders");
     cJSON_AddTrueToObject(folders, "supported");
     cJSON_AddTrueToObject(folders, "changeNotifications");
+}
+
+static void add_features(cJSON *capabilities)
+{
+    static const char *const switches[] = {
+        "hoverProvider",
+        "definitionProvider",
+        "referencesProvider",
+        "documentHighlightProvider",
+        "documentSymbolProvider",
+        "colorProvider",
+        "documentFormattingProvider",
+        "documentRangeFormattingProvider",
+        "inlayHintProvider",
+        "foldingRangeProvider",
+        "selectionRangeProvider",
+        "workspaceSymbolProvider",
+    };
+    for (size_t i = 0; i < sizeof switches / sizeof *switches; ++i) {
+        cJSON_AddTrueToObject(capabilities, switches[i]);
+    }
+    static const char *const triggers[] = {".", "\"", "/", ":"};
+    cJSON *completion = cJSON_AddObjectToObject(capabilities, "completionProvider");
+    add_list(completion, "triggerCharacters", triggers, 4);
+    cJSON_AddTrueToObject(completion, "resolveProvider");
+    static const char *const opening[] = {"(", ","};
+    cJSON *signatures = cJSON_AddObjectToObject(capabilities, "signatureHelpProvider");
+    add_list(signatures, "triggerCharacters", opening, 2);
+    cJSON *rename = cJSON_AddObjectToObject(capabilities, "renameProvider");
+    cJSON_AddTrueToObject(rename, "prepareProvider");
+    static const char *const actions[] = {"quickfix", "source.fixAll.scnrender"};
+    add_list(cJSON_AddObjectToObject(capabilities, "codeActionProvider"), "codeActionKinds",
+             actions, 2);
+    cJSON_AddObjectToObject(capabilities, "documentLinkProvider");
+    cJSON *tokens = cJSON_AddObjectToObject(capabilities, "semanticTokensProvider");
+    cJSON_AddItemToObject(tokens, "legend", semantic_token_legend());
+    cJSON_AddTrueToObject(tokens, "range");
+    cJSON_AddTrueToObject(cJSON_AddObjectToObject(tokens, "full"), "delta");
 }
 
 static cJSON *initialize(Server *server, const cJSON *params)
@@ -226,6 +270,7 @@ static cJSON *initialize(Server *server, const cJSON *params)
     cJSON *capabilities = cJSON_AddObjectToObject(result, "capabilities");
     cJSON_AddStringToObject(capabilities, "positionEncoding", encoding_name(server->encoding));
     add_sync(capabilities);
+    add_features(capabilities);
     cJSON *info = cJSON_AddObjectToObject(result, "serverInfo");
     cJSON_AddStringToObject(info, "name", "scnrender");
     cJSON_AddStringToObject(info, "version", server->host->version);
@@ -373,6 +418,35 @@ static const struct {
 } requests[] = {
     {"initialize", initialize},
     {"shutdown", shut_down},
+    {"completionItem/resolve", feature_resolve_completion},
+    {"workspace/symbol", feature_workspace_symbols},
+};
+
+static const struct {
+    const char *method;
+    Feature *handle;
+} features[] = {
+    {"textDocument/completion", feature_completion},
+    {"textDocument/hover", feature_hover},
+    {"textDocument/signatureHelp", feature_signature_help},
+    {"textDocument/definition", feature_definition},
+    {"textDocument/references", feature_references},
+    {"textDocument/documentHighlight", feature_highlight},
+    {"textDocument/prepareRename", feature_prepare_rename},
+    {"textDocument/rename", feature_rename},
+    {"textDocument/documentSymbol", feature_document_symbols},
+    {"textDocument/documentColor", feature_colors},
+    {"textDocument/colorPresentation", feature_color_presentations},
+    {"textDocument/formatting", feature_formatting},
+    {"textDocument/rangeFormatting", feature_range_formatting},
+    {"textDocument/codeAction", feature_code_actions},
+    {"textDocument/semanticTokens/full", feature_semantic_tokens},
+    {"textDocument/semanticTokens/full/delta", feature_semantic_tokens_delta},
+    {"textDocument/semanticTokens/range", feature_semantic_tokens_range},
+    {"textDocument/inlayHint", feature_inlay_hints},
+    {"textDocument/foldingRange", feature_folding_ranges},
+    {"textDocument/selectionRange", feature_selection_ranges},
+    {"textDocument/documentLink", feature_links},
 };
 
 #define COUNT(list) (sizeof(list) / sizeof *(list))
@@ -389,6 +463,15 @@ static void handle_notification(Server *server, const char *method, const cJSON 
     }
 }
 
+static cJSON *call_feature(Server *server, Feature *feature, const cJSON *params)
+{
+    Document *document = document_by_uri(server, json_get_string(params, "textDocument.uri"));
+    if (!document) {
+        return server_fail(server, RPC_INVALID_PARAMS, "the document isn't open");
+    }
+    return feature(server, document, params);
+}
+
 static cJSON *handle_request(Server *server, const char *method, const cJSON *params)
 {
     bool first = strcmp(method, "initialize") == 0;
@@ -401,6 +484,11 @@ static cJSON *handle_request(Server *server, const char *method, const cJSON *pa
     for (size_t i = 0; i < COUNT(requests); ++i) {
         if (strcmp(requests[i].method, method) == 0) {
             return requests[i].handle(server, params);
+        }
+    }
+    for (size_t i = 0; i < COUNT(features); ++i) {
+        if (strcmp(features[i].method, method) == 0) {
+            return call_feature(server, features[i].handle, params);
         }
     }
     return server_fail(server, RPC_METHOD_NOT_FOUND, "there is no such method");

@@ -175,12 +175,8 @@ static void write_range(FILE *out, const Param *param)
 // --- Fields
 // ----------------------------------------------------------------------------------------
 
-static void write_field_text(const Param *param, FILE *out)
+void manual_write_takes(const Param *param, FILE *out)
 {
-    int at = fprintf(out, "  %-*s", MANUAL_NAME_COLUMN - 2, param->name);
-    if (at > MANUAL_NAME_COLUMN) {
-        fprintf(out, "\n%*s", MANUAL_NAME_COLUMN, "");
-    }
     write_type(out, param);
     if (has_range(param)) {
         fputs("; ", out);
@@ -191,6 +187,15 @@ static void write_field_text(const Param *param, FILE *out)
     } else if (param->default_text) {
         fprintf(out, "; default %s", param->default_text);
     }
+}
+
+static void write_field_text(const Param *param, FILE *out)
+{
+    int at = fprintf(out, "  %-*s", MANUAL_NAME_COLUMN - 2, param->name);
+    if (at > MANUAL_NAME_COLUMN) {
+        fprintf(out, "\n%*s", MANUAL_NAME_COLUMN, "");
+    }
+    manual_write_takes(param, out);
     fprintf(out, "\n%*s", MANUAL_NAME_COLUMN, "");
     manual_write_wrapped(out, param->doc, MANUAL_NAME_COLUMN, MANUAL_NAME_COLUMN, MANUAL_WIDTH);
 }
@@ -232,7 +237,7 @@ static void write_fields(const NodeType *type, FILE *out, ManualStyle style)
     }
 }
 
-static const char *common_field_type(CommonField field)
+const char *manual_common_takes(CommonField field)
 {
     switch (field) {
     case COMMON_TRANSFORM:
@@ -268,8 +273,8 @@ void manual_write_common_fields(Category category, FILE *out, ManualStyle style)
             manual_write_wrapped(out, common_field_doc(field), MANUAL_NAME_COLUMN,
                                  MANUAL_NAME_COLUMN, MANUAL_WIDTH);
         } else {
-            fprintf(out, "| `%s` | %s | %s |\n", common_field_name(field), common_field_type(field),
-                    common_field_doc(field));
+            fprintf(out, "| `%s` | %s | %s |\n", common_field_name(field),
+                    manual_common_takes(field), common_field_doc(field));
         }
     }
 }

@@ -12,6 +12,10 @@ typedef enum ManualStyle { MANUAL_TEXT, MANUAL_MARKDOWN } ManualStyle;
 // A kind: what it is, its fields with what they take, their defaults and ranges, the formula behind
 // it and an example.
 void manual_write_kind(const NodeType *type, FILE *out, ManualStyle style);
+// What a field takes, in a line: "length, bare in m; above 0; default 1".
+void manual_write_takes(const Param *param, FILE *out);
+// The same for a field that every kind of a category has.
+const char *manual_common_takes(CommonField field);
 // The fields that every kind of the category takes; nothing where there are none.
 void manual_write_common_fields(Category category, FILE *out, ManualStyle style);
 // MANUAL_TEXT: the names of the category's kinds; MANUAL_MARKDOWN: its chapter, all kinds whole.
