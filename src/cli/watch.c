@@ -73,6 +73,9 @@ static int serve(const Options *options, Session *session, const sigset_t *signa
     }
     int signal_number;
     sigwait(signals, &signal_number);
+    // Ending waits for what can't be broken off, as an accelerator that is built; a second signal
+    // doesn't.
+    pthread_sigmask(SIG_UNBLOCK, signals, NULL);
     server_free(server);
     return EXIT_OK;
 }

@@ -197,6 +197,7 @@ int watch_on_terminal(const Options *options, Session *session, const sigset_t *
     } else {
         on_screen(&screen);
     }
+    pthread_sigmask(SIG_UNBLOCK, signals, NULL); // a second one doesn't wait for what ends
     if (screen.signals >= 0) {
         close(screen.signals);
     }

@@ -104,11 +104,12 @@ static void evaluate(Loaded *loaded, const SceneRequest *request, FileWatch *fil
     lang->params_to = params;
     bool good = lang_load(lang, path, request->file, &loaded->scene);
     lang->params_to = NULL;
+    loaded->stopped = request->stop && atomic_load(request->stop) != 0;
     if (params) {
         fclose(params);
     }
     loaded->bad_setting = has_bad_setting(loaded);
-    if (good) {
+    if (good && !loaded->stopped) {
         light_warn_enclosed(&loaded->scene, &lang->sink);
         material_warn_open_glass(&loaded->scene, &lang->sink);
         loaded->world = world_build(&loaded->scene, request->threads, &lang->sink);
@@ -136,6 +137,7 @@ Loaded *loaded_new(const SceneRequest *request, const ParamSetting *settings, si
     }
     loaded->lang.limits = request->limits;
     loaded->lang.print_to = request->print_to;
+    loaded->lang.stop = request->stop;
     loaded->lang.sink.limit = request->limits.diagnostics < UINT32_MAX
                                   ? (uint32_t)request->limits.diagnostics
                                   : UINT32_MAX;

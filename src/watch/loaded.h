@@ -11,6 +11,7 @@
 #include "watch/text.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 
 // What the command line says of the scene. Strings and lists are the caller's.
 typedef struct SceneRequest {
@@ -20,8 +21,9 @@ typedef struct SceneRequest {
     const char *const *folders; // further ones that it may read from
     size_t folder_count;
     Limits limits;
-    unsigned threads; // 0: one a processor
-    FILE *print_to;   // where print() writes; NULL: nowhere
+    unsigned threads;       // 0: one a processor
+    FILE *print_to;         // where print() writes; NULL: nowhere
+    const atomic_int *stop; // not zero: evaluation is to be given up; may be NULL
 } SceneRequest;
 
 typedef struct Loaded {
@@ -35,6 +37,7 @@ typedef struct Loaded {
     World *world; // NULL: the scene has errors, which lang.sink tells
     Text params;  // the scene's params as JSON, as far as they could be evaluated; maybe empty
     bool has_lang, has_scene;
+    bool stopped;     // evaluation was given up: there is no scene, and maybe no diagnostic
     bool bad_setting; // an error lies in a setting, or a setting is of no param
 } Loaded;
 

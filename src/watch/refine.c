@@ -98,6 +98,7 @@ static bool next_job(Worker *w, Job *job)
     session->change = CHANGE_NOTHING;
     session->files_changed = false;
     atomic_store(&session->stop, GO_ON);
+    atomic_store(&session->outdated, atomic_load(&session->closing));
     bool open = !atomic_load(&session->closing);
     SessionPhase asked = job->change == CHANGE_SCENE    ? PHASE_EVALUATING
                          : job->change == CHANGE_CAMERA ? PHASE_RENDERING
@@ -337,8 +338,9 @@ static void load(Worker *w, Job *job)
         loaded =
             loaded_new(&session->options.scene, job->settings, job->setting_count, session->files);
     }
-    if (!loaded) {
-        return;
+    if (!loaded || loaded->stopped) {
+        loaded_release(loaded);
+        return; // without memory until the next request; or there is one already
     }
     if (loaded->world) {
         drop_renderer(w);

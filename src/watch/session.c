@@ -54,6 +54,8 @@ Session *session_new(const SessionOptions *options, char *message, size_t messag
     session->options = *options;
     atomic_init(&session->stop, GO_ON);
     atomic_init(&session->closing, 0);
+    atomic_init(&session->outdated, 0);
+    session->options.scene.stop = &session->outdated;
     pthread_mutex_init(&session->lock, NULL);
     make_condition(&session->changed);
     session->camera = NONE_ID;
@@ -76,6 +78,7 @@ void session_close(Session *session)
 {
     pthread_mutex_lock(&session->lock);
     atomic_store(&session->closing, 1);
+    atomic_store(&session->outdated, 1);
     atomic_store(&session->stop, STOP_FOR_REQUEST);
     pthread_cond_broadcast(&session->changed);
     pthread_mutex_unlock(&session->lock);
@@ -182,6 +185,7 @@ void session_reload(Session *session)
 {
     pthread_mutex_lock(&session->lock);
     session->files_changed = true;
+    atomic_store(&session->outdated, 1); // by settings alone it isn't: a slider would never end
     ask(session, CHANGE_SCENE);
     pthread_mutex_unlock(&session->lock);
 }

@@ -27,7 +27,8 @@ typedef struct Session {
     pthread_t thread;
     bool started;
     atomic_int stop;        // of the renderer at work
-    atomic_int closing;     // for what isn't to be stopped by requests
+    atomic_int closing;     // for what is not to be stopped by requests
+    atomic_int outdated;    // an evaluation under way is of no use any more
     pthread_mutex_t lock;   // of all below
     pthread_cond_t changed; // of `change` and `news`
     // requests

@@ -165,6 +165,16 @@ test("a save is answered soon", async () => {
   saveByRename(file, scene);
 });
 
+test("an evaluation without end is broken off by a save", async () => {
+  const endless = scene + "let _n = sum([for (i in 0..<100000) sum([for (j in 0..<100000) i * j])])\n";
+  saveByRename(file, endless);
+  await until("its evaluation", async () => (await json("state")).status.phase === "evaluating");
+  await sleep(100);
+  assert.equal((await json("state")).status.phase, "evaluating");
+  saveByRename(file, scene);
+  await done();
+});
+
 // --- Hostile requests ----------------------------------------------------------------------------
 
 const { port, pathname } = new URL(address);
