@@ -103,6 +103,9 @@ void film_develop(const Film *film, const FilmParams *params, int channels, bool
 
 // Colour (linear Rec.709, after exposure) to a display's: see tone.c for the curves.
 Rgb tone_apply(ToneCurve tone, Rgb color);
+// Its two steps: what a display shall emit, in [0, 1]; and that, channel by channel, as it is sent.
+Rgb tone_curve(ToneCurve tone, Rgb color);
+float tone_encode(ToneCurve tone, float shown);
 
 // The arbitrary output variables.
 typedef struct FilmAov {

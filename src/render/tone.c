@@ -16,9 +16,9 @@ static float srgb_encode(float x)
     return (float)(v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055);
 }
 
-static Rgb srgb_encode_clipped(Rgb c)
+static Rgb clipped(Rgb c)
 {
-    return rgb(srgb_encode(clamp01(c.r)), srgb_encode(clamp01(c.g)), srgb_encode(clamp01(c.b)));
+    return rgb(clamp01(c.r), clamp01(c.g), clamp01(c.b));
 }
 
 static Rgb multiply(const float m[3][3], Rgb c)
@@ -64,19 +64,29 @@ static float hable_scaled(float x)
     return (float)(hable(fmin(2 * (double)x, 1e6)) / hable(11.2));
 }
 
-Rgb tone_apply(ToneCurve tone, Rgb c)
+Rgb tone_curve(ToneCurve tone, Rgb c)
 {
     // Light is not negative; and what isn't finite is shown as black or white.
     c = rgb(fmaxf(c.r, 0), fmaxf(c.g, 0), fmaxf(c.b, 0));
     switch (tone) {
-    case TONE_LINEAR:
-        return rgb(clamp01(c.r), clamp01(c.g), clamp01(c.b));
     case TONE_ACES:
-        return srgb_encode_clipped(aces_fitted(c));
+        return clipped(aces_fitted(c));
     case TONE_FILMIC:
-        return srgb_encode_clipped(rgb(hable_scaled(c.r), hable_scaled(c.g), hable_scaled(c.b)));
+        return clipped(rgb(hable_scaled(c.r), hable_scaled(c.g), hable_scaled(c.b)));
+    case TONE_LINEAR:
     case TONE_SRGB:
         break;
     }
-    return srgb_encode_clipped(c);
+    return clipped(c);
+}
+
+float tone_encode(ToneCurve tone, float shown)
+{
+    return tone == TONE_LINEAR ? shown : srgb_encode(shown);
+}
+
+Rgb tone_apply(ToneCurve tone, Rgb c)
+{
+    c = tone_curve(tone, c);
+    return rgb(tone_encode(tone, c.r), tone_encode(tone, c.g), tone_encode(tone, c.b));
 }

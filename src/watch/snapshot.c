@@ -4,6 +4,7 @@
 #include "base/thread.h"
 
 #include <math.h>
+#include <string.h>
 
 // The place of pixel `at` of `to` in a picture of `from` pixels a side.
 static uint32_t stretched(uint32_t at, uint32_t to, uint32_t from)
@@ -107,17 +108,73 @@ void snapshot_release(Snapshot *snapshot)
 
 // --- Development ---------------------------------------------------------------------------------
 
+enum { GUESSES = 4096 };
+
+// Encoding a channel costs a power; there are only 256 results, so that its place among the least
+// values of each is found instead. The result is the same for every value (see snapshot_test.c).
+typedef struct Encoder {
+    float least[257]; // that a byte stands for; beyond the last, above 1
+    unsigned char guess[GUESSES + 1];
+} Encoder;
+
+static int encoded(ToneCurve tone, float shown)
+{
+    return (int)(tone_encode(tone, shown) * 255.0f + 0.5f);
+}
+
+static float float_of(uint32_t bits)
+{
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+// By bisection over the floats from 0 to 1, whose bits are in their order.
+static float least_of(ToneCurve tone, int byte)
+{
+    uint32_t low = 0, high = 0x3f800000;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (encoded(tone, float_of(middle)) >= byte) {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    return float_of(low);
+}
+
+static void make_encoder(Encoder *encoder, ToneCurve tone)
+{
+    for (int byte = 0; byte < 256; ++byte) {
+        encoder->least[byte] = least_of(tone, byte);
+    }
+    encoder->least[256] = 2;
+    int byte = 0;
+    for (int i = 0; i <= GUESSES; ++i) {
+        while (encoder->least[byte + 1] <= (float)i / GUESSES) {
+            ++byte;
+        }
+        encoder->guess[i] = (unsigned char)byte;
+    }
+}
+
+static unsigned char encode(const Encoder *encoder, float shown)
+{
+    int byte = encoder->guess[(int)(shown * GUESSES)];
+    while (encoder->least[byte + 1] <= shown) {
+        ++byte;
+    }
+    return (unsigned char)byte;
+}
+
 typedef struct Development {
     const Snapshot *snapshot;
     ToneCurve tone;
     float gain;
     unsigned char *rgba;
+    Encoder encoder;
 } Development;
-
-static unsigned char to_byte(float value)
-{
-    return (unsigned char)(value * 255.0f + 0.5f);
-}
 
 static void develop_row(void *context, uint64_t row, unsigned worker)
 {
@@ -126,11 +183,11 @@ static void develop_row(void *context, uint64_t row, unsigned worker)
     size_t first = (size_t)row * d->snapshot->width;
     for (size_t p = first; p < first + d->snapshot->width; ++p) {
         const float *mean = d->snapshot->radiance + 3 * p;
-        Rgb shown = tone_apply(d->tone, rgb_scale(rgb(mean[0], mean[1], mean[2]), d->gain));
+        Rgb shown = tone_curve(d->tone, rgb_scale(rgb(mean[0], mean[1], mean[2]), d->gain));
         unsigned char *to = d->rgba + 4 * p;
-        to[0] = to_byte(shown.r);
-        to[1] = to_byte(shown.g);
-        to[2] = to_byte(shown.b);
+        to[0] = encode(&d->encoder, shown.r);
+        to[1] = encode(&d->encoder, shown.g);
+        to[2] = encode(&d->encoder, shown.b);
         to[3] = 255;
     }
 }
@@ -138,6 +195,8 @@ static void develop_row(void *context, uint64_t row, unsigned worker)
 void snapshot_develop(const Snapshot *snapshot, double exposure, ToneCurve tone,
                       unsigned char *rgba)
 {
-    Development d = {snapshot, tone, (float)exp2(exposure), rgba};
+    Development d = {
+        .snapshot = snapshot, .tone = tone, .gain = (float)exp2(exposure), .rgba = rgba};
+    make_encoder(&d.encoder, tone);
     parallel_for(snapshot->height, thread_processor_count(), develop_row, &d, NULL);
 }

@@ -4,6 +4,7 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import fs from "node:fs";
+import http from "node:http";
 import { createRequire } from "node:module";
 import path from "node:path";
 import { lineOf, makeFolder, saveByRename, scene, sleep, until, watch } from "./support.mjs";
@@ -226,6 +227,22 @@ test("dark", async () => {
   await page.emulateMedia({ colorScheme: "dark" });
   assert.notEqual(await ground(), light);
   await keep("dark");
+});
+
+test("in a frame, as an editor has it, places are links to the editor", async () => {
+  const panel = `<iframe src="${watched.address}" width="700" height="600"></iframe>
+    <script>addEventListener("message", (event) => { window.last = event.data; });</script>`;
+  const server = http.createServer((_, reply) => reply.setHeader("Content-Type", "text/html").end(panel));
+  await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
+  const editor = await context.newPage();
+  await editor.goto(`http://localhost:${server.address().port}/`);
+  const inside = editor.frameLocator("iframe");
+  await inside.locator("#picture[data-number]").click();
+  await inside.locator("#pixel button.place").first().click();
+  const message = await until("the message", () => editor.evaluate(() => window.last));
+  assert.deepEqual({ ...message, column: 0 }, { source: "scnrender", type: "reveal", file, line: lineOf("sphere {"), column: 0 });
+  await editor.close();
+  server.close();
 });
 
 test("the end is told", async () => {

@@ -266,6 +266,22 @@ test("many connections, and those that say nothing, don't stop it", async () => 
   assert.ok(!state.ended);
 });
 
+test("who reads nothing keeps nobody waiting", async () => {
+  const sockets = [];
+  for (const what of ["events", "picture", "save?type=exr"]) {
+    const socket = net.connect(Number(port), "127.0.0.1", () => socket.write(request("GET", pathname + what)));
+    socket.on("error", () => {});
+    socket.pause();
+    sockets.push(socket);
+  }
+  for (let i = 0; i < 30; ++i) await post(`look?exposure=${i / 10}`);
+  const began = performance.now();
+  await picture();
+  assert.ok(performance.now() - began < 5000);
+  for (const socket of sockets) socket.destroy();
+  await post("look");
+});
+
 test("all at once: settings, moves, looks, pixels, pictures and saves of the file", async () => {
   for (let i = 0; i < 12; ++i) {
     const work = [];
