@@ -9,6 +9,7 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 // --- Files -------------------------------------------------------------------------------------
 
@@ -93,6 +94,18 @@ static bool has_bad_setting(const Loaded *loaded)
     return false;
 }
 
+static uint64_t hash_texts(const Sources *sources)
+{
+    uint64_t hash = 0;
+    for (uint32_t file = 1; file <= sources->count; ++file) {
+        const Source *source = source_get(sources, file);
+        if (source && source->real) { // else a setting
+            hash = XXH3_64bits_withSeed(source->text.at, source->text.length, hash);
+        }
+    }
+    return hash;
+}
+
 static void evaluate(Loaded *loaded, const SceneRequest *request, FileWatch *files)
 {
     Lang *lang = &loaded->lang;
@@ -109,6 +122,7 @@ static void evaluate(Loaded *loaded, const SceneRequest *request, FileWatch *fil
         fclose(params);
     }
     loaded->bad_setting = has_bad_setting(loaded);
+    loaded->text_hash = hash_texts(&lang->sources);
     if (good && !loaded->stopped) {
         light_warn_enclosed(&loaded->scene, &lang->sink);
         material_warn_open_glass(&loaded->scene, &lang->sink);

@@ -37,8 +37,9 @@ typedef struct Loaded {
     World *world; // NULL: the scene has errors, which lang.sink tells
     Text params;  // the scene's params as JSON, as far as they could be evaluated; maybe empty
     bool has_lang, has_scene;
-    bool stopped;     // evaluation was given up: there is no scene, and maybe no diagnostic
-    bool bad_setting; // an error lies in a setting, or a setting is of no param
+    bool stopped;       // evaluation was given up: there is no scene, and maybe no diagnostic
+    uint64_t text_hash; // of the scene's file and its imports, as far as they were read
+    bool bad_setting;   // an error lies in a setting, or a setting is of no param
 } Loaded;
 
 // Evaluates the file as it is now, with `settings` after those of the request, and builds the

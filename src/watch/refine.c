@@ -32,6 +32,7 @@ typedef struct Worker {
     double restarted_at, slice_ends, status_at, picture_seconds;
     double asked_at; // when the change came that no picture answers yet; NAN: none
     bool preloaded;
+    uint64_t text_hash; // of the version that was evaluated last
 } Worker;
 
 typedef struct Job {
@@ -332,8 +333,9 @@ static void load(Worker *w, Job *job)
     file_watch_begin(session->files);
     Loaded *loaded =
         loaded_new(&session->options.scene, job->settings, job->setting_count, session->files);
-    if (loaded && loaded->bad_setting && job->files_changed &&
-        drop_bad_settings(session, loaded, job)) {
+    // The file may have been saved after the job was taken.
+    bool changed = loaded && (job->files_changed || loaded->text_hash != w->text_hash);
+    if (changed && loaded->bad_setting && drop_bad_settings(session, loaded, job)) {
         loaded_release(loaded);
         loaded =
             loaded_new(&session->options.scene, job->settings, job->setting_count, session->files);
@@ -342,6 +344,7 @@ static void load(Worker *w, Job *job)
         loaded_release(loaded);
         return; // without memory until the next request; or there is one already
     }
+    w->text_hash = loaded->text_hash;
     if (loaded->world) {
         drop_renderer(w);
         loaded_release(w->loaded);
