@@ -51,6 +51,9 @@ void *arena_alloc(Arena *arena, size_t size)
     if (size > PTRDIFF_MAX - 2 * sizeof(ArenaBlock)) {
         return out_of_memory(arena);
     }
+    if (size == 0) {
+        size = 1; // an address of its own: NULL would say that memory has run out
+    }
     size = (size + ALIGNMENT - 1) & ~(size_t)(ALIGNMENT - 1);
     if ((size_t)(arena->end - arena->next) < size && !add_block(arena, size)) {
         return out_of_memory(arena);

@@ -12,6 +12,7 @@ enum { HUGE_FROM = 16 << 20 }; // bytes
 
 static _Atomic uint64_t allocations;
 static _Atomic uint64_t fail_from = UINT64_MAX;
+static _Atomic uint64_t live; // blocks that were not given back
 
 static bool may_allocate(size_t count, size_t size, size_t *bytes)
 {
@@ -23,6 +24,14 @@ static bool may_allocate(size_t count, size_t size, size_t *bytes)
     }
     return atomic_fetch_add_explicit(&allocations, 1, memory_order_relaxed) <
            atomic_load_explicit(&fail_from, memory_order_relaxed);
+}
+
+static void *counted(void *block)
+{
+    if (block) {
+        atomic_fetch_add_explicit(&live, 1, memory_order_relaxed);
+    }
+    return block;
 }
 
 // Asks for huge pages in a big block: a tree of 200 MB else costs 50,000 page faults, a third of
@@ -48,24 +57,31 @@ static void *with_huge_pages(void *block, size_t bytes)
 void *mem_alloc(size_t count, size_t size)
 {
     size_t bytes;
-    return may_allocate(count, size, &bytes) ? with_huge_pages(malloc(bytes), bytes) : NULL;
+    return may_allocate(count, size, &bytes) ? counted(with_huge_pages(malloc(bytes), bytes))
+                                             : NULL;
 }
 
 void *mem_alloc_zeroed(size_t count, size_t size)
 {
     size_t bytes;
-    return may_allocate(count, size, &bytes) ? calloc(1, bytes) : NULL;
+    return may_allocate(count, size, &bytes) ? counted(calloc(1, bytes)) : NULL;
 }
 
 void *mem_realloc(void *block, size_t count, size_t size)
 {
     size_t bytes;
+    if (!block) {
+        return mem_alloc(count, size);
+    }
     return may_allocate(count, size, &bytes) ? with_huge_pages(realloc(block, bytes), bytes) : NULL;
 }
 
 void mem_free(void *block)
 {
-    free(block);
+    if (block) {
+        atomic_fetch_sub_explicit(&live, 1, memory_order_relaxed);
+        free(block);
+    }
 }
 
 void mem_fail_after(uint64_t more)
@@ -78,4 +94,9 @@ void mem_fail_after(uint64_t more)
 uint64_t mem_allocation_count(void)
 {
     return atomic_load_explicit(&allocations, memory_order_relaxed);
+}
+
+uint64_t mem_live_count(void)
+{
+    return atomic_load_explicit(&live, memory_order_relaxed);
 }

@@ -19,5 +19,7 @@ void mem_free(void *block);
 void mem_fail_after(uint64_t allocations);
 // Allocations asked for so far, in this process.
 uint64_t mem_allocation_count(void);
+// Blocks that exist now: the same before and after what gives all back.
+uint64_t mem_live_count(void);
 
 #endif

@@ -205,7 +205,7 @@ static AstId parse_element_for(Parser *p)
     }
     uint32_t name_begin = p->token.begin;
     Symbol symbol = parse_name(p, "a name for the element");
-    uint32_t name_end = p->previous_end;
+    uint32_t name_end = parse_name_end(p, name_begin);
     parse_expect(p, TOKEN_IN);
     AstId sequence = parse_expression(p);
     uint32_t height = p->height;

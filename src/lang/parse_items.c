@@ -40,7 +40,7 @@ static AstId parse_let(Parser *p)
     parse_advance(p);
     uint32_t name_begin = p->token.begin;
     Symbol symbol = parse_name(p, "a name after `let`");
-    uint32_t name_end = p->previous_end;
+    uint32_t name_end = parse_name_end(p, name_begin);
     AstId value = parse_binding(p) ? parse_expression(p) : 0;
     ++p->height;
     uint32_t words[] = {name_begin, name_end, value};
@@ -67,7 +67,8 @@ static AstId parse_import(Parser *p)
     }
     parse_advance(p);
     uint32_t name_begin = p->token.begin;
-    uint32_t words[3] = {parse_name(p, "a name after `as`"), name_begin, p->previous_end};
+    Symbol space = parse_name(p, "a name after `as`");
+    uint32_t words[] = {space, name_begin, parse_name_end(p, name_begin)};
     p->height = 2;
     return parse_node(p, AST_IMPORT, begin, string, parse_extra(p, 3, words));
 }
@@ -103,7 +104,7 @@ static AstId parse_param(Parser *p)
     parse_advance(p);
     uint32_t name_begin = p->token.begin;
     Symbol symbol = parse_name(p, "a name after `param`");
-    uint32_t name_end = p->previous_end;
+    uint32_t name_end = parse_name_end(p, name_begin);
     Token type;
     if (p->panicking || !parse_param_type(p, &type)) {
         return 0;
@@ -169,7 +170,7 @@ AstId parse_function(Parser *p, uint32_t begin, bool named)
     Symbol symbol = 0;
     if (named) {
         symbol = parse_name(p, "the function's name");
-        name_end = p->previous_end;
+        name_end = parse_name_end(p, name_begin);
     }
     uint32_t parameters = parse_parameters(p), height = p->height;
     AstId body = 0;
@@ -226,7 +227,7 @@ static AstId parse_for(Parser *p)
     }
     uint32_t name_begin = p->token.begin;
     Symbol symbol = parse_name(p, "a name for the element");
-    uint32_t name_end = p->previous_end;
+    uint32_t name_end = parse_name_end(p, name_begin);
     parse_expect(p, TOKEN_IN);
     AstId sequence = parse_expression(p);
     uint32_t height = p->height;

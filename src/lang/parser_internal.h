@@ -82,6 +82,11 @@ void parse_give_up(Parser *p);
 
 // A name. A reserved word is reported and taken as one. 0 after an error.
 Symbol parse_name(Parser *p, const char *what);
+// Behind the name that began at byte `begin`; where the name was missing, `begin` itself.
+static inline uint32_t parse_name_end(const Parser *p, uint32_t begin)
+{
+    return p->previous_end > begin ? p->previous_end : begin;
+}
 // The closing bracket of what was opened at byte `open`.
 void parse_close(Parser *p, TokenKind close, uint32_t open);
 // Behind an element of a list in brackets: true when another follows.

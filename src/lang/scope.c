@@ -112,7 +112,7 @@ static void push_binding(Resolver *r, Binding binding)
 
 Binding *scope_declare(Resolver *r, Symbol name, BindingKind kind, AstId item, Span at)
 {
-    uint32_t hidden = r->current[name];
+    uint32_t hidden = name ? r->current[name] : 0; // 0: missing, which the parser has reported
     bool is_taken = false;
     if (hidden) {
         Binding *outer = &r->bindings[hidden];
@@ -131,7 +131,9 @@ Binding *scope_declare(Resolver *r, Symbol name, BindingKind kind, AstId item, S
                        .kind = kind,
                        .used = is_taken};
     push_binding(r, binding);
-    r->current[name] = r->binding_count - 1;
+    if (name) {
+        r->current[name] = r->binding_count - 1;
+    }
     return &r->bindings[r->binding_count - 1];
 }
 

@@ -1,6 +1,6 @@
 // Replays a corpus through a fuzz target: every file as it is, cut off, and damaged in a thousand
-// ways that are the same every time. For builds without libFuzzer; a sanitizer, or the target's own
-// abort, makes it fail.
+// (or the number given) ways that are the same every time. Usage: replay FOLDER [DAMAGED] For
+// builds without libFuzzer; a sanitizer, or the target's own abort, makes it fail.
 #include <dirent.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -56,15 +56,15 @@ static size_t damage(uint8_t *bytes, size_t size, uint64_t *random)
     return size;
 }
 
-static void replay(const uint8_t *bytes, size_t size)
+static void replay(const uint8_t *bytes, size_t size, int damaged)
 {
     uint8_t *copy = malloc(LARGEST);
     uint64_t random = 1;
     run(bytes, size);
-    for (size_t cut = 0; cut < size; cut += 1 + size / 200) {
+    for (size_t cut = 0; damaged > 0 && cut < size; cut += 1 + size / (unsigned)damaged * 5) {
         run(bytes, cut);
     }
-    for (int i = 0; copy && i < DAMAGED; ++i) {
+    for (int i = 0; copy && i < damaged; ++i) {
         memcpy(copy, bytes, size);
         run(copy, damage(copy, size, &random));
     }
@@ -73,15 +73,15 @@ static void replay(const uint8_t *bytes, size_t size)
 
 int main(int count, char **arguments)
 {
-    DIR *folder = count == 2 ? opendir(arguments[1]) : NULL;
+    DIR *folder = count >= 2 ? opendir(arguments[1]) : NULL;
     uint8_t *bytes = malloc(LARGEST);
-    int files = 0;
+    int files = 0, damaged = count > 2 ? atoi(arguments[2]) : DAMAGED;
     for (struct dirent *entry; folder && bytes && (entry = readdir(folder));) {
         char path[4096];
         snprintf(path, sizeof path, "%s/%s", arguments[1], entry->d_name);
         FILE *file = entry->d_name[0] == '.' ? NULL : fopen(path, "rb");
         if (file) {
-            replay(bytes, fread(bytes, 1, LARGEST, file));
+            replay(bytes, fread(bytes, 1, LARGEST, file), damaged);
             fclose(file);
             ++files;
         }

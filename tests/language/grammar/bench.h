@@ -19,5 +19,7 @@ void bench_end(ParseBench *bench);
 // NULL, or what is wrong: a node or diagnostic that doesn't lie in the text, a child that isn't
 // inside its parent, success with errors reported, …
 const char *bench_check(ParseBench *bench);
+// The same, without also writing the diagnostics and the tree to nowhere.
+const char *bench_check_tree(const ParseBench *bench);
 
 #endif

@@ -56,7 +56,10 @@ static const char *check_layout(const FormatText *text)
             return "two blank lines"; // the caller knows whether they are a comment's
         }
     }
-    return text->count && text->items[text->count - 1] != '\n' ? "no end of the last line" : NULL;
+    bool only_a_mark = text->count == 3 && memcmp(text->items, "\xef\xbb\xbf", 3) == 0;
+    return text->count && !only_a_mark && text->items[text->count - 1] != '\n'
+               ? "no end of the last line"
+               : NULL;
 }
 
 const char *format_bench_check(FormatBench *bench, const char *text, size_t length)
