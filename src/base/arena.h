@@ -26,7 +26,8 @@ typedef struct ArenaMark {
 
 // An arena of zero bytes is a valid, empty one: `Arena a = {0};` needs no init.
 
-// `size` bytes (0 gives an address, too), aligned to 16, not cleared. NULL (or the jump) when memory runs out.
+// `size` bytes (0 gives an address, too), aligned to 16, not cleared. NULL (or the jump) when
+// memory runs out.
 void *arena_alloc(Arena *arena, size_t size);
 void *arena_alloc_zeroed(Arena *arena, size_t size);
 // An array: checks the multiplication.

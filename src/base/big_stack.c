@@ -1,8 +1,6 @@
 #include "base/big_stack.h"
 
-#include <pthread.h>
-#include <signal.h>
-#include <stdbool.h>
+#include "base/thread.h"
 
 enum { SMALLEST = 4 << 20, CALLERS = 1 << 20 };
 
@@ -34,12 +32,7 @@ static bool run_in_thread(BigStack *call)
     bool started = pthread_attr_setstacksize(&attributes, call->bytes) == 0;
     // Guard page, thread descriptor and the frames so far also lie in it.
     call->bytes -= 64 * 1024;
-    // Signals go to the caller's thread only.
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    started = started && pthread_create(&thread, &attributes, begin, call) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    started = started && thread_start(&thread, &attributes, begin, call);
     pthread_attr_destroy(&attributes);
     if (started) {
         pthread_join(thread, NULL);

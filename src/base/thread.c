@@ -3,7 +3,6 @@
 #include "base/mem.h"
 
 #include <limits.h>
-#include <pthread.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdio.h>
@@ -128,6 +127,23 @@ unsigned thread_processor_count(void)
     return processors > 0 ? processors : 1;
 }
 
+// --- Threads -------------------------------------------------------------------------------------
+
+bool thread_start(pthread_t *thread, const pthread_attr_t *attributes, void *(*work)(void *),
+                  void *argument)
+{
+    static const int faults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGABRT};
+    sigset_t others, before;
+    sigfillset(&others);
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i) {
+        sigdelset(&others, faults[i]);
+    }
+    pthread_sigmask(SIG_BLOCK, &others, &before);
+    bool started = pthread_create(thread, attributes, work, argument) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return started;
+}
+
 // --- Parallel loops ------------------------------------------------------------------------------
 
 typedef struct Loop {
@@ -165,20 +181,16 @@ static void *worker_main(void *argument)
 // Starts workers 1 … wanted - 1 in workers[0 …]; how many it could.
 static unsigned start_workers(Loop *loop, Worker *workers, unsigned wanted)
 {
-    sigset_t all, before; // signals are for the thread that called, never for a worker
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
     unsigned started = 0;
     while (started + 1 < wanted) {
         Worker *worker = &workers[started];
         worker->loop = loop;
         worker->number = started + 1;
-        if (pthread_create(&worker->thread, NULL, worker_main, worker) != 0) {
+        if (!thread_start(&worker->thread, NULL, worker_main, worker)) {
             break;
         }
         ++started;
     }
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
     return started;
 }
 

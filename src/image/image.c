@@ -2,11 +2,10 @@
 
 #include "base/mem.h"
 #include "base/module.h"
+#include "base/thread.h"
 #include "image/oiio_module.h"
 #include "image/peek.h"
 
-#include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -143,14 +142,10 @@ static void *preload_main(void *nothing)
 
 void image_preload(void)
 {
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
     pthread_t thread;
-    if (pthread_create(&thread, NULL, preload_main, NULL) == 0) {
+    if (thread_start(&thread, NULL, preload_main, NULL)) {
         pthread_detach(thread);
     }
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 // Decoders take memory by rows and tiles as soon as they open a file, so that its size is looked at

@@ -251,6 +251,7 @@ static void begin_node(Eval *ev, NodeValue *out, uint32_t type, const char *defa
         .name = STR(""), .type = (uint16_t)type, .scene_id = NONE_ID, .color = {1, 1, 1}, .at = at};
     out->params = arena_alloc(ev->arena, size);
     memcpy(out->params, defaults, size);
+    out->raw = out->params; // a group has no `finish` that would set it
 }
 
 bool build_node(Eval *ev, Env *env, AstId id, NodeValue *out, bool keep_raw)
