@@ -39,6 +39,8 @@ typedef struct Maker {
     CommonField common;
     cJSON *items;
     bool *named; // by symbol: it was added
+    int names;   // how many
+    bool is_incomplete;
 } Maker;
 
 // --- Items ---------------------------------------------------------------------------------------
@@ -48,17 +50,11 @@ static cJSON *add_item(Maker *m, const char *label, int kind, Rank rank, const c
                        const char *insert)
 {
     cJSON *item = cJSON_CreateObject();
-    char sort[8];
-    snprintf(sort, sizeof sort, "%d", (int)rank);
+    char sort[128];
+    snprintf(sort, sizeof sort, "%d%s", (int)rank, label);
     cJSON_AddStringToObject(item, "label", label);
     cJSON_AddNumberToObject(item, "kind", kind);
-    Memo memo;
-    FILE *out = memo_begin(&memo);
-    if (out) {
-        fprintf(out, "%s%s", sort, label);
-        json_add_text(item, "sortText", memo_text(&memo));
-    }
-    memo_free(&memo);
+    json_add_text(item, "sortText", str_from(sort));
     if (detail) {
         json_add_text(item, "detail", str_from(detail));
     }
@@ -67,9 +63,13 @@ static cJSON *add_item(Maker *m, const char *label, int kind, Rank rank, const c
     if (snippet) {
         cJSON_AddNumberToObject(item, "insertTextFormat", 2);
     }
-    cJSON_AddItemToObject(
-        item, "textEdit",
-        json_edit(m->server, &m->document->text, m->context.begin, m->context.end, str_from(text)));
+    if (!m->server->client.edit_range) {
+        cJSON_AddItemToObject(item, "textEdit",
+                              json_edit(m->server, &m->document->text, m->context.begin,
+                                        m->context.end, str_from(text)));
+    } else if (insert) {
+        json_add_text(item, "textEditText", str_from(text));
+    }
     cJSON_AddItemToArray(m->items, item);
     return item;
 }
@@ -177,6 +177,19 @@ static bool is_new(Maker *m, Str name)
     return m->named[symbol] = true;
 }
 
+// Of very many names those are listed that have the letters written so far, in their order.
+enum { MOST_NAMES = 300 };
+
+static bool matches(const Maker *m, Str name)
+{
+    Str text = buffer_content(&m->document->text);
+    uint32_t at = m->context.begin;
+    for (size_t i = 0; at < m->context.end && i < name.length; ++i) {
+        at += (text.at[at] | 0x20) == (name.at[i] | 0x20);
+    }
+    return at == m->context.end && at > m->context.begin;
+}
+
 static int item_kind(AstTag tag)
 {
     return tag == AST_FN ? ITEM_FUNCTION : tag == AST_IMPORT ? ITEM_MODULE : ITEM_VARIABLE;
@@ -191,6 +204,11 @@ static void add_name_of(Maker *m, uint32_t file, AstId item, Rank rank)
     if (name.length == 0 || !is_new(m, name)) {
         return;
     }
+    if (m->names >= MOST_NAMES && !matches(m, name)) {
+        m->is_incomplete = true; // asked for again when more is written
+        return;
+    }
+    ++m->names;
     const NodeType *type = tree_infer_kind(m->analysis, file, item);
     Span at = survey_name_span(m->analysis->survey, file, item);
     const ReportValue *value =
@@ -647,7 +665,14 @@ cJSON *feature_completion(Server *server, Document *document, const cJSON *param
         add_words(&m, as, 1, RANK_WANTED);
         break;
     }
-    return m.items;
+    cJSON *list = cJSON_CreateObject();
+    cJSON_AddBoolToObject(list, "isIncomplete", m.is_incomplete);
+    if (server->client.edit_range) {
+        cJSON_AddItemToObject(cJSON_AddObjectToObject(list, "itemDefaults"), "editRange",
+                              json_range(server, &document->text, m.context.begin, m.context.end));
+    }
+    cJSON_AddItemToObject(list, "items", m.items);
+    return list;
 }
 
 cJSON *feature_resolve_completion(Server *server, const cJSON *params)

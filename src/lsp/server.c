@@ -185,8 +185,8 @@ static void take_client(Server *server, const cJSON *client)
                          json_lists(client, documentation, "markdown");
     features->symbol_trees =
         json_get_true(client, "textDocument.documentSymbol.hierarchicalDocumentSymbolSupport");
-    features->token_lines =
-        json_get_true(client, "textDocument.semanticTokens.multilineTokenSupport");
+    features->edit_range =
+        json_lists(client, "textDocument.completion.completionList.itemDefaults", "editRange");
     features->related = json_get_true(client, "textDocument.publishDiagnostics.relatedInformation");
     features->watches =
         json_get_true(client, "workspace.didChangeWatchedFiles.dynamicRegistration");

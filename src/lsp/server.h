@@ -101,7 +101,8 @@ void evaluation_free(Server *server);
 // --- The server ----------------------------------------------------------------------------------
 
 typedef struct ClientFeatures {
-    bool snippets, markdown, symbol_trees, link_lists, token_lines, related, watches;
+    bool snippets, markdown, symbol_trees, related, watches;
+    bool edit_range; // completion lists may say once what their items replace
 } ClientFeatures;
 
 typedef struct Settings {

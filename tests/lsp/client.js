@@ -7,6 +7,11 @@ const path = require('node:path');
 const { pathToFileURL } = require('node:url');
 const rpc = require('vscode-languageserver-protocol/node');
 
+// A test that fails leaves its server behind, and Node would wait for it: the last thing that a
+// file of tests does after them is to call killLeft.
+const started = [];
+const killLeft = () => started.forEach((server) => server.kill());
+
 const CAPABILITIES = {
   general: { positionEncodings: ['utf-16'] },
   textDocument: {
@@ -58,6 +63,7 @@ class Client {
     this.options = { evaluateAfter: 20, ...options };
     this.process = spawn(process.env.SCNRENDER || 'scnrender', ['lsp', '--stdio', ...args],
       { stdio: ['pipe', 'pipe', 'inherit'], cwd: this.folder });
+    started.push(this.process);
     this.exited = new Promise((resolve) => this.process.on('exit', resolve));
     this.connection = rpc.createProtocolConnection(
       new rpc.StreamMessageReader(this.process.stdout),
@@ -161,4 +167,4 @@ class Client {
   }
 }
 
-module.exports = { Client, CAPABILITIES, rpc, marked, positionOf, offsetOf, applyEdits };
+module.exports = { Client, killLeft, CAPABILITIES, rpc, marked, positionOf, offsetOf, applyEdits };

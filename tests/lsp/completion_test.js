@@ -2,7 +2,7 @@
 'use strict';
 const test = require('node:test');
 const assert = require('node:assert/strict');
-const { Client, marked, positionOf, applyEdits } = require('./client');
+const { Client, killLeft, CAPABILITIES, marked, positionOf, applyEdits } = require('./client');
 
 let client;
 test.before(async () => {
@@ -23,7 +23,7 @@ async function open(text) {
 
 async function complete(text) {
   const at = await open(text);
-  const items = await client.request('textDocument/completion', at.name,
+  const { items } = await client.request('textDocument/completion', at.name,
     { position: at.position });
   return { ...at, items, labels: items.map((item) => item.label) };
 }
@@ -205,3 +205,24 @@ test('signatures: built-in and own functions, by place and by name', async () =>
   assert.equal(await help('let a = (1, |'), null);
   assert.equal(await help('sphere { |'), null);
 });
+
+test('of very many names those that match are listed, and the list is asked for again', async () => {
+  const itemDefaults = ['editRange'];
+  const capabilities = structuredClone(CAPABILITIES);
+  capabilities.textDocument.completion.completionList = { itemDefaults };
+  const other = await new Client({ capabilities }).start();
+  const lets = Array.from({ length: 1000 }, (_, i) => `let name_${i} = ${i}`).join('\n');
+  const text = `${lets}\nlet x = nm99`;
+  await other.open('many.scn', text);
+  const list = await other.request('textDocument/completion', 'many.scn',
+    { position: positionOf(text, text.length) });
+  assert.equal(list.isIncomplete, true);
+  const names = list.items.filter((item) => item.label.startsWith('name_'));
+  assert.ok(names.length < 350 && names.some((item) => item.label === 'name_999'));
+  const { start, end } = list.itemDefaults.editRange;
+  assert.deepEqual([start.character, end.character], [8, 12]);
+  assert.ok(list.items.every((item) => item.textEdit === undefined));
+  assert.equal(await other.stop(), 0);
+});
+
+test.after(killLeft);

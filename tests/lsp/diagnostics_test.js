@@ -2,7 +2,7 @@
 'use strict';
 const test = require('node:test');
 const assert = require('node:assert/strict');
-const { Client, CAPABILITIES, positionOf } = require('./client');
+const { Client, killLeft, CAPABILITIES, positionOf } = require('./client');
 
 const codes = (list) => list.map((item) => item.code);
 
@@ -112,3 +112,5 @@ test('a scene that never ends is given up, and typing goes on', async () => {
   assert.deepEqual(codes(await client.current('a.scn', (list) => list.length > 0)), ['E0301']);
   await client.stop();
 });
+
+test.after(killLeft);

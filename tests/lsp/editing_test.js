@@ -4,7 +4,7 @@ const test = require('node:test');
 const assert = require('node:assert/strict');
 const fs = require('node:fs');
 const path = require('node:path');
-const { Client, rpc, marked, positionOf, offsetOf, applyEdits } = require('./client');
+const { Client, killLeft, rpc, marked, positionOf, offsetOf, applyEdits } = require('./client');
 
 let client;
 test.before(async () => {
@@ -328,3 +328,5 @@ test('every feature takes every prefix of a scene', async () => {
       })));
   }
 });
+
+test.after(killLeft);

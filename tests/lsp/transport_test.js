@@ -5,10 +5,13 @@ const test = require('node:test');
 const assert = require('node:assert/strict');
 const { spawn } = require('node:child_process');
 
+const started = [];
+
 class Raw {
   constructor(args = ['lsp']) {
     this.process = spawn(process.env.SCNRENDER || 'scnrender', args,
       { stdio: ['pipe', 'pipe', 'inherit'] });
+    started.push(this.process);
     this.exited = new Promise((resolve) => this.process.on('exit', resolve));
     this.received = Buffer.alloc(0);
     this.messages = [];
@@ -170,3 +173,5 @@ test('params of the wrong shape do no harm', async () => {
   }
   assert.equal(await server.stop(), 0);
 });
+
+test.after(() => started.forEach((server) => server.kill()));

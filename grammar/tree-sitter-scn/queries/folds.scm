@@ -1,0 +1,8 @@
+[
+  (kind)
+  (block)
+  (fields)
+  (list)
+  (arguments)
+  (block_comment)
+] @fold

@@ -1,0 +1,11 @@
+[
+  (kind)
+  (block)
+  (fields)
+  (list)
+  (vector)
+  (arguments)
+  (parameters)
+] @indent.begin @indent
+
+["}" "]" ")"] @indent.branch @outdent
