@@ -31,7 +31,7 @@ const OptionInfo option_infos[OPTION_COUNT] = {
 enum { CHECKPOINT_SECONDS = 60 };
 enum { MOST_THREADS = 4096, LONGEST_SIDE = 1 << 20, FARTHEST_NAME = 3 };
 
-static const int64_t MOST_SAMPLES = INT32_MAX;
+static const int64_t MOST_SAMPLES = INT32_MAX, MOST_MEASURED = INT64_C(1000000000000);
 _Static_assert(OPTION_COUNT <= 64 && COMMAND_COUNT <= 32, "a bit each");
 
 // What is being parsed. Lists have room for every argument of the command line.
@@ -226,6 +226,17 @@ static bool take_exposure(const Parser *parser, const char *text)
     return true;
 }
 
+static bool take_confidence(const Parser *parser, const char *text)
+{
+    double number;
+    const char *end = number_parse(text, text + strlen(text), &number);
+    if (!end || *end || !(number >= 0.5 && number < 1)) {
+        return wrong(parser, "`--confidence` takes a number from 0.5 to below 1, not `%s`", text);
+    }
+    parser->options->confidence = number;
+    return true;
+}
+
 static bool take_setting(const Parser *parser, const char *text)
 {
     const char *equals = strchr(text, '=');
@@ -323,7 +334,7 @@ static bool take(Parser *parser, OptionId id, const char *text)
         options->output = text;
         return *text || wrong(parser, "`--output` takes the name of a file");
     case OPTION_SAMPLES:
-        return take_number(parser, id, text, 1, MOST_SAMPLES, &options->samples);
+        return take_number(parser, id, text, 1, MOST_MEASURED, &options->samples);
     case OPTION_SIZE:
         return take_size(parser, id, text, &options->width, &options->height);
     case OPTION_TILE:
@@ -383,6 +394,8 @@ static bool take(Parser *parser, OptionId id, const char *text)
         good = take_word(parser, id, text, stages, "tokens, ast or scene", &word);
         options->dump = (Dump)(DUMP_TOKENS + word);
         return good;
+    case OPTION_CONFIDENCE:
+        return take_confidence(parser, text);
     case OPTION_JSON:
         options->json_report = true;
         return true;
@@ -550,6 +563,10 @@ static bool choose_command(Parser *parser, Words *words)
             !(option_infos[id].commands & 1u << options->command)) {
             return wrong(parser, "`%s` doesn't take `--%s`", info->name, option_infos[id].name);
         }
+    }
+    if (options->samples > MOST_SAMPLES && options->command != COMMAND_TEST) {
+        return wrong(parser, "`--samples` takes a whole number from 1 to %lld, not %lld",
+                     (long long)MOST_SAMPLES, (long long)options->samples);
     }
     if (options->command == COMMAND_EXPORT && !options->target) {
         return wrong(parser, "`export` wants `--to povray`, `--to blender` or `--to json`");

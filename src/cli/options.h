@@ -62,6 +62,7 @@ typedef struct Options {
     const char *terminal;       // of watch: "" or how to draw; NULL: a page is wanted
     const char *tev;            // of watch: HOST:PORT; NULL: no tev
     bool json_report;           // --json
+    double confidence;          // of test; 0: the scene's
     Vec3 at;                    // --at
     const ExportTarget *target; // --to, --for; or NULL
     const char *const *aovs;    // names

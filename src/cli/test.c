@@ -1,5 +1,6 @@
 // scnrender test FILE…: runs what scenes expect of themselves.
 #include "cli/commands.h"
+#include "cli/interrupt.h"
 #include "cli/test_report.h"
 
 #include "base/mem.h"
@@ -13,6 +14,7 @@
 typedef struct Testing {
     const Options *options;
     TestReport report;
+    Interrupt interrupt;
     int code; // the worst that wasn't a failed expectation
 } Testing;
 
@@ -23,6 +25,11 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+static bool stopped(const Testing *testing)
+{
+    return atomic_load(&testing->interrupt.signal) != 0;
+}
+
 static void keep_worst(Testing *testing, int code)
 {
     testing->code = code > testing->code ? code : testing->code;
@@ -30,19 +37,94 @@ static void keep_worst(Testing *testing, int code)
 
 // --- One file ------------------------------------------------------------------------------------
 
-static void test_scene(Testing *testing, Loading *loading)
+static bool has_measures(const Scene *scene)
+{
+    for (size_t i = 0; i < scene->expectations.count; ++i) {
+        if (scene->expectations.items[i].measure) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static Meter *new_meter(Testing *testing, Loading *loading)
+{
+    const Options *options = testing->options;
+    MeterOptions meter_options = {.threads = options->threads,
+                                  .samples = options->samples,
+                                  .seed = options->seed,
+                                  .confidence = options->confidence,
+                                  .stop = &testing->interrupt.signal};
+    return meter_new(&loading->scene, &meter_options, &loading->lang.sink);
+}
+
+static bool is_repeated(const SceneExpectationArray *all, size_t i)
+{
+    Span at = all->items[i].at;
+    for (size_t k = i > 0 ? i - 1 : 0; k <= i + 1 && k < all->count; ++k) {
+        Span other = all->items[k].at;
+        if (k != i && other.file == at.file && other.begin == at.begin) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void test_measured(Testing *testing, Loading *loading, Meter *meter, size_t i)
+{
+    const SceneExpectation *expectation = &loading->scene.expectations.items[i];
+    static const Verdict verdicts[] = {[METER_MET] = VERDICT_PASS,
+                                       [METER_NOT_MET] = VERDICT_FAIL,
+                                       [METER_UNDECIDED] = VERDICT_UNDECIDED};
+    MeterResult result;
+    double began = now();
+    if (!meter_measure(meter, expectation->measure, &result)) {
+        keep_worst(testing, complain(EXIT_NO_MEMORY, "not enough memory to measure"));
+    }
+    test_report_case(&testing->report, loading,
+                     &(TestCase){expectation, verdicts[result.verdict], &result, now() - began,
+                                 is_repeated(&loading->scene.expectations, i)});
+}
+
+static void test_scene(Testing *testing, Loading *loading, Meter *meter)
 {
     const SceneExpectationArray *all = &loading->scene.expectations;
-    for (size_t i = 0; i < all->count; ++i) {
+    for (size_t i = 0; i < all->count && !stopped(testing); ++i) {
         const SceneExpectation *expectation = &all->items[i];
+        if (expectation->measure) {
+            test_measured(testing, loading, meter, i);
+            continue;
+        }
         Verdict verdict = expectation->fails   ? VERDICT_FAIL
                           : expectation->times ? VERDICT_PASS
                                                : VERDICT_NOT_RUN;
-        test_report_expectation(&testing->report, loading, expectation, verdict);
+        test_report_case(&testing->report, loading,
+                         &(TestCase){.expectation = expectation, .verdict = verdict});
     }
 }
 
 // `found`: not named, but found in a folder, where a file without expectations is passed over.
+static int test_loaded(Testing *testing, Loading *loading, bool found)
+{
+    loading->lang.testing = true;
+    bool good = loading_evaluate(loading);
+    Meter *meter = NULL;
+    if (good && has_measures(&loading->scene)) {
+        meter = new_meter(testing, loading);
+        good = meter != NULL;
+    }
+    int code = loading_report(loading);
+    if (!good) {
+        code = code == EXIT_OK ? EXIT_DIAGNOSTICS : code;
+        test_report_file(&testing->report, loading->shown, "the scene has errors");
+    } else if (loading->scene.expectations.count || !found) {
+        test_report_file(&testing->report, loading->shown, NULL);
+        test_scene(testing, loading, meter);
+    }
+    meter_free(meter);
+    return code;
+}
+
 static void test_file(Testing *testing, const char *name, bool found)
 {
     Options options = *testing->options;
@@ -52,15 +134,7 @@ static void test_file(Testing *testing, const char *name, bool found)
     if (code != EXIT_OK) {
         test_report_file(&testing->report, name, "the file can't be read");
     } else {
-        loading.lang.testing = true;
-        bool good = loading_evaluate(&loading);
-        code = loading_report(&loading);
-        if (!good) {
-            test_report_file(&testing->report, loading.shown, "the scene has errors");
-        } else if (loading.scene.expectations.count || !found) {
-            test_report_file(&testing->report, loading.shown, NULL);
-            test_scene(testing, &loading);
-        }
+        code = test_loaded(testing, &loading, found);
     }
     keep_worst(testing, code);
     loading_free(&loading);
@@ -89,7 +163,7 @@ static void test_folder(Testing *testing, char *name)
         keep_worst(testing, complain(EXIT_FILES, "can't read `%s`: %s", name, strerror(errno)));
         return;
     }
-    for (FTSENT *entry; (entry = fts_read(tree)) != NULL;) {
+    for (FTSENT *entry; (entry = fts_read(tree)) != NULL && !stopped(testing);) {
         bool hidden = entry->fts_level > 0 && entry->fts_name[0] == '.';
         if (hidden && entry->fts_info == FTS_D) {
             fts_set(tree, entry, FTS_SKIP);
@@ -119,21 +193,32 @@ static void test_operand(Testing *testing, const char *name)
     mem_free(copy);
 }
 
+static int exit_code(const Testing *testing)
+{
+    const uint64_t *verdicts = testing->report.verdicts;
+    uint64_t bad = verdicts[VERDICT_FAIL] + verdicts[VERDICT_UNDECIDED];
+    if (stopped(testing)) {
+        return EXIT_SIGNAL + atomic_load(&testing->interrupt.signal);
+    }
+    if (bad + verdicts[VERDICT_PASS] == 0 && testing->code == EXIT_OK) {
+        return complain(EXIT_DIAGNOSTICS, "nothing was tested: no `expect` was run");
+    }
+    return testing->code == EXIT_OK && bad ? EXIT_DIAGNOSTICS : testing->code;
+}
+
 int command_test(const Options *options)
 {
     Testing testing = {.options = options};
     double began = now();
     test_report_begin(&testing.report, options, stdout);
-    for (size_t i = 0; i < options->operand_count; ++i) {
+    interrupt_begin(&testing.interrupt);
+    interrupt_heed(&testing.interrupt);
+    for (size_t i = 0; i < options->operand_count && !stopped(&testing); ++i) {
         test_operand(&testing, options->operands[i]);
     }
     testing.report.seconds = now() - began;
     test_report_end(&testing.report);
-    uint64_t passed = testing.report.verdicts[VERDICT_PASS];
-    uint64_t failed = testing.report.verdicts[VERDICT_FAIL];
-    if (passed + failed == 0 && testing.code == EXIT_OK) {
-        return complain(EXIT_DIAGNOSTICS, "nothing was tested: there is no `expect` in it");
-    }
-    keep_worst(&testing, failed ? EXIT_DIAGNOSTICS : EXIT_OK);
-    return testing.code;
+    int code = exit_code(&testing);
+    interrupt_end(&testing.interrupt);
+    return code;
 }

@@ -9,9 +9,10 @@
 
 enum { TEXT_COLUMN = 18, LONGEST_SOURCE = 160 };
 
-static const char *const verdict_names[VERDICT_COUNT] = {"pass", "fail", "not run"};
-static const char *const verdict_words[VERDICT_COUNT] = {"pass", "FAIL", "----"};
-static const char *const verdict_colors[VERDICT_COUNT] = {"\33[32m", "\33[1;31m", "\33[33m"};
+static const char *const verdict_names[VERDICT_COUNT] = {"pass", "fail", "undecided", "not run"};
+static const char *const verdict_words[VERDICT_COUNT] = {"pass", "FAIL", "????", "----"};
+static const char *const verdict_colors[VERDICT_COUNT] = {"\33[32m", "\33[1;31m", "\33[1;33m",
+                                                          "\33[33m"};
 
 void test_report_begin(TestReport *report, const Options *options, FILE *out)
 {
@@ -104,25 +105,55 @@ static void put_times(const TestReport *report, const SceneExpectation *expectat
     }
 }
 
-static void write_text(const TestReport *report, Loading *loading,
-                       const SceneExpectation *expectation, Verdict verdict)
+static void put_part(FILE *out, const ExpectationPart *part)
+{
+    put_clean(out, str_from(part->text));
+    fputs(" is ", out);
+    put_clean(out, str_from(part->value));
+}
+
+static void put_parts(const TestReport *report, const SceneExpectation *expectation)
+{
+    for (uint32_t i = 0; i < expectation->part_count; ++i) {
+        fprintf(report->out, "%*s", TEXT_COLUMN, "");
+        put_part(report->out, &expectation->parts[i]);
+        fputc('\n', report->out);
+    }
+}
+
+static void put_parts_in_a_row(const TestReport *report, const SceneExpectation *expectation)
+{
+    for (uint32_t i = 0; i < expectation->part_count; ++i) {
+        fprintf(report->out, "%*s", i ? 0 : TEXT_COLUMN, "");
+        put_part(report->out, &expectation->parts[i]);
+        fputs(i + 1 < expectation->part_count ? ", " : "\n", report->out);
+    }
+}
+
+static void write_text(const TestReport *report, Loading *loading, const TestCase *test)
 {
     FILE *out = report->out;
-    fprintf(out, "  %s%s%s  ", report->colored ? verdict_colors[verdict] : "",
-            verdict_words[verdict], report->colored ? "\33[0m" : "");
+    const SceneExpectation *expectation = test->expectation;
+    fprintf(out, "  %s%s%s  ", report->colored ? verdict_colors[test->verdict] : "",
+            verdict_words[test->verdict], report->colored ? "\33[0m" : "");
     put_place(report, loading, expectation->at);
     put_clean(out, source_text(loading, expectation->at));
     put_times(report, expectation);
     fputc('\n', out);
-    if (expectation->fails) {
+    if (test->measured) {
+        MeasuredText text;
+        measured_text(test, &text);
+        put_line(report, text.value);
+        if (*text.wrong) {
+            put_line(report, text.wrong);
+        }
+    } else if (expectation->fails) {
         put_line(report, expectation->wrong);
     }
-    for (uint32_t i = 0; i < expectation->part_count; ++i) {
-        fprintf(out, "%*s", TEXT_COLUMN, "");
-        put_clean(out, str_from(expectation->parts[i].text));
-        fputs(" is ", out);
-        put_clean(out, str_from(expectation->parts[i].value));
-        fputc('\n', out);
+    if (test->verdict != VERDICT_PASS) {
+        put_parts(report, expectation);
+    } else if (test->repeated) {
+        put_parts_in_a_row(report, expectation);
     }
 }
 
@@ -134,10 +165,60 @@ static void write_json_text(FILE *out, Loading *loading, Str text)
     json_string(out, copy ? copy : "");
 }
 
-static void write_json(const TestReport *report, Loading *loading,
-                       const SceneExpectation *expectation, Verdict verdict)
+// A number, or [r, g, b].
+static void write_json_channels(FILE *out, const double *values, uint32_t channels)
+{
+    if (channels == 1) {
+        json_number(out, values[0]);
+    } else {
+        json_vec3(out, vec3(values[0], values[1], values[2]));
+    }
+}
+
+static void write_json_measured(FILE *out, const TestCase *test)
+{
+    static const char *const relations[] = {
+        [MEASURE_WITHIN] = "within", [MEASURE_BELOW] = "below", [MEASURE_ABOVE] = "above"};
+    const SceneMeasure *measure = test->expectation->measure;
+    const MeterResult *result = test->measured;
+    fputs(", \"measured\": ", out);
+    write_json_channels(out, result->mean, result->channels);
+    fputs(", \"half_width\": ", out);
+    write_json_channels(out, result->half, result->channels);
+    fputs(", \"confidence\": ", out);
+    json_number(out, result->confidence);
+    fprintf(out, ", \"relation\": \"%s\", \"target\": ", relations[measure->relation]);
+    write_json_channels(out, measure->target, result->channels);
+    if (measure->relation == MEASURE_WITHIN) {
+        fputs(", \"tolerance\": ", out);
+        json_number(out, measure->allowed);
+    }
+    fprintf(out, ", \"unit\": \"%s\", \"samples\": %llu, \"bad_samples\": %llu", measure->unit,
+            (unsigned long long)result->samples, (unsigned long long)result->bad_samples);
+    if (test->verdict == VERDICT_UNDECIDED && isfinite(result->needed)) {
+        fputs(", \"needed\": ", out);
+        json_number(out, round(result->needed));
+    }
+    fputs(", \"seconds\": ", out);
+    json_number(out, test->seconds);
+}
+
+static void write_json_parts(FILE *out, const SceneExpectation *expectation)
+{
+    fputs(", \"values\": {", out);
+    for (uint32_t i = 0; i < expectation->part_count; ++i) {
+        fputs(i ? ", " : "", out);
+        json_string(out, expectation->parts[i].text);
+        fputs(": ", out);
+        json_string(out, expectation->parts[i].value);
+    }
+    fputc('}', out);
+}
+
+static void write_json(const TestReport *report, Loading *loading, const TestCase *test)
 {
     FILE *out = report->out;
+    const SceneExpectation *expectation = test->expectation;
     Place place = source_place(&loading->lang.sources, expectation->at.file, expectation->at.begin);
     fputs(report->any_expectation ? ",\n    {" : "\n    {", out);
     json_key(out, "file");
@@ -145,21 +226,19 @@ static void write_json(const TestReport *report, Loading *loading,
     fprintf(out, ", \"line\": %u, \"column\": %u, ", (unsigned)place.line, (unsigned)place.column);
     json_key(out, "text");
     write_json_text(out, loading, source_text(loading, expectation->at));
-    fprintf(out, ", \"verdict\": \"%s\", \"times\": %llu, \"fails\": %llu", verdict_names[verdict],
-            (unsigned long long)expectation->times, (unsigned long long)expectation->fails);
+    fprintf(out, ", \"verdict\": \"%s\", \"times\": %llu", verdict_names[test->verdict],
+            (unsigned long long)expectation->times);
+    if (test->measured) {
+        write_json_measured(out, test);
+    } else {
+        fprintf(out, ", \"fails\": %llu", (unsigned long long)expectation->fails);
+    }
     if (expectation->fails) {
         fputs(", \"wrong\": ", out);
         json_string(out, expectation->wrong);
     }
     if (expectation->part_count) {
-        fputs(", \"values\": {", out);
-        for (uint32_t i = 0; i < expectation->part_count; ++i) {
-            fputs(i ? ", " : "", out);
-            json_string(out, expectation->parts[i].text);
-            fputs(": ", out);
-            json_string(out, expectation->parts[i].value);
-        }
-        fputc('}', out);
+        write_json_parts(out, expectation);
     }
     fputc('}', out);
 }
@@ -191,20 +270,21 @@ void test_report_file(TestReport *report, const char *shown, const char *error)
         fprintf(report->out, "%s%s\n", error ? ": can't be tested: " : "", error ? error : "");
     }
     report->any_file = true;
+    fflush(report->out);
 }
 
-void test_report_expectation(TestReport *report, Loading *loading,
-                             const SceneExpectation *expectation, Verdict verdict)
+void test_report_case(TestReport *report, Loading *loading, const TestCase *test)
 {
-    ++report->verdicts[verdict];
+    bool good = test->verdict == VERDICT_PASS || test->verdict == VERDICT_NOT_RUN;
+    ++report->verdicts[test->verdict];
     if (report->json) {
-        write_json(report, loading, expectation, verdict);
-    } else if (verdict == VERDICT_FAIL || !report->quiet) {
+        write_json(report, loading, test);
+    } else if (!good || !report->quiet) {
         if (report->quiet) {
             put_clean(report->out, str_from(loading->shown));
             fputs(":\n", report->out);
         }
-        write_text(report, loading, expectation, verdict);
+        write_text(report, loading, test);
     }
     report->any_expectation = true;
     fflush(report->out);
@@ -218,28 +298,30 @@ static void write_count(FILE *out, uint64_t count, const char *what)
 void test_report_end(TestReport *report)
 {
     FILE *out = report->out;
-    uint64_t passed = report->verdicts[VERDICT_PASS], failed = report->verdicts[VERDICT_FAIL];
-    uint64_t unrun = report->verdicts[VERDICT_NOT_RUN];
+    const uint64_t *verdicts = report->verdicts;
+    unsigned long long passed = verdicts[VERDICT_PASS], failed = verdicts[VERDICT_FAIL];
+    unsigned long long undecided = verdicts[VERDICT_UNDECIDED], unrun = verdicts[VERDICT_NOT_RUN];
     end_file(report);
     if (report->json) {
-        fprintf(
-            out,
-            "\n], \"passed\": %llu, \"failed\": %llu, \"not_run\": %llu, \"broken_files\": %llu}\n",
-            (unsigned long long)passed, (unsigned long long)failed, (unsigned long long)unrun,
-            (unsigned long long)report->broken);
+        fprintf(out,
+                "\n], \"passed\": %llu, \"failed\": %llu, \"undecided\": %llu, "
+                "\"not_run\": %llu, \"broken_files\": %llu}\n",
+                passed, failed, undecided, unrun, (unsigned long long)report->broken);
         return;
     }
     if (report->quiet) {
         return;
     }
     fputs(report->any_file ? "\n" : "", out);
-    write_count(out, passed + failed + unrun, "expectation");
+    write_count(out, passed + failed + undecided + unrun, "expectation");
     fputs(" in ", out);
     write_count(out, report->files, "file");
-    fprintf(out, ": %llu passed, %llu failed", (unsigned long long)passed,
-            (unsigned long long)failed);
+    fprintf(out, ": %llu passed, %llu failed", passed, failed);
+    if (undecided) {
+        fprintf(out, ", %llu undecided", undecided);
+    }
     if (unrun) {
-        fprintf(out, ", %llu never run", (unsigned long long)unrun);
+        fprintf(out, ", %llu never run", unrun);
     }
     if (report->broken) {
         fputs("; ", out);

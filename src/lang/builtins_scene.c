@@ -3,6 +3,7 @@
 #include "base/hash.h"
 #include "base/noise.h"
 #include "lang/builtins.h"
+#include "lang/measure.h"
 
 // --- Colors ----------------------------------------------------------------------------------
 
@@ -98,6 +99,9 @@ Value builtin_blackbody(Call *call)
 Value builtin_luminance(Call *call)
 {
     Value v = call->args[0];
+    if (v.type == VALUE_MEASURE && v.small == 3) {
+        return measure_luminance(call->ev, v, call->at);
+    }
     if (v.type != VALUE_COLOR) {
         return arg_wrong(call, 0, "a color");
     }

@@ -1,5 +1,5 @@
 // Values in words, for diagnostics and for str().
-#include "lang/eval.h"
+#include "lang/measure.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -29,15 +29,32 @@ static const char *describe_node(const Eval *ev, const NodeValue *node, char *bu
 const char *describe_value(const Eval *ev, Value v, char *buffer, size_t size)
 {
     static const char *const names[] = {
-        [VALUE_UNSET] = "nothing",         [VALUE_FORCING] = "nothing",
-        [VALUE_ERROR] = "an error",        [VALUE_NOTHING] = "nothing",
-        [VALUE_BOOL] = "a bool",           [VALUE_NUMBER] = "a number",
-        [VALUE_STRING] = "a string",       [VALUE_VECTOR] = "a vector",
-        [VALUE_COLOR] = "a color",         [VALUE_LIST] = "a list",
-        [VALUE_RANGE] = "a range",         [VALUE_FUNCTION] = "a function",
-        [VALUE_BUILTIN] = "a function",    [VALUE_NODE] = "a node",
-        [VALUE_TRANSFORM] = "a transform", [VALUE_BOUNDS] = "the bounds of a shape",
+        [VALUE_UNSET] = "nothing",
+        [VALUE_FORCING] = "nothing",
+        [VALUE_ERROR] = "an error",
+        [VALUE_NOTHING] = "nothing",
+        [VALUE_BOOL] = "a bool",
+        [VALUE_NUMBER] = "a number",
+        [VALUE_STRING] = "a string",
+        [VALUE_VECTOR] = "a vector",
+        [VALUE_COLOR] = "a color",
+        [VALUE_LIST] = "a list",
+        [VALUE_RANGE] = "a range",
+        [VALUE_FUNCTION] = "a function",
+        [VALUE_BUILTIN] = "a function",
+        [VALUE_NODE] = "a node",
+        [VALUE_TRANSFORM] = "a transform",
+        [VALUE_BOUNDS] = "the bounds of a shape",
+        [VALUE_MEASURE] = "a measured number",
     };
+    if (v.type == VALUE_SIGHT) {
+        snprintf(buffer, size, "%s",
+                 v.sight->object              ? "an object"
+                 : v.sight->kind == SIGHT_RAY ? "a ray"
+                 : isfinite(v.sight->x1)      ? "a region"
+                                              : "a picture");
+        return buffer;
+    }
     if (v.type == VALUE_NODE) {
         return describe_node(ev, v.node, buffer, size);
     }
@@ -49,6 +66,8 @@ const char *describe_value(const Eval *ev, Value v, char *buffer, size_t size)
                  dim_info((Dim)v.dim)->name);
     } else if (v.type == VALUE_VECTOR) {
         snprintf(buffer, size, "a vector of %d", v.small);
+    } else if (v.type == VALUE_MEASURE && v.small == 3) {
+        snprintf(buffer, size, "a measured color");
     } else {
         snprintf(buffer, size, "%s", names[v.type]);
     }
@@ -273,6 +292,12 @@ void text_add_value(Eval *ev, TextBuffer *out, Value v, bool quoted)
         text_add(ev, out, ")");
         break;
     }
+    case VALUE_SIGHT:
+        text_add_sight(ev, out, v.sight);
+        break;
+    case VALUE_MEASURE:
+        text_add_measure(ev, out, v.measure);
+        break;
     default:
         text_add(ev, out, "nothing");
     }

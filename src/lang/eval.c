@@ -1,4 +1,4 @@
-#include "lang/eval.h"
+#include "lang/measure.h"
 
 #include <stdio.h>
 
@@ -303,6 +303,8 @@ static Value part(Eval *ev, Value v, uint32_t i)
                           : sub(v.bounds->max, v.bounds->min);
         return make_vector(ev, (const double[]){p.x, p.y, p.z}, 3, DIM_NONE);
     }
+    case VALUE_MEASURE:
+        return measure_channel(ev, v, i);
     default:
         return sequence_item(v, i);
     }
@@ -351,13 +353,14 @@ static int find_part(Value v, Str name, const char **names)
         }
         return -1;
     }
-    const char *letters = v.type == VALUE_COLOR ? "rgb" : "xyzw";
-    int count = v.type == VALUE_COLOR ? 3 : v.small;
-    if (v.type == VALUE_COLOR || v.type == VALUE_VECTOR) {
-        *names = v.type == VALUE_COLOR ? "r, g and b"
-                 : count == 2          ? "x and y"
-                 : count == 3          ? "x, y and z"
-                                       : "x, y, z and w";
+    bool color = v.type == VALUE_COLOR || (v.type == VALUE_MEASURE && v.small == 3);
+    const char *letters = color ? "rgb" : "xyzw";
+    int count = color ? 3 : v.small;
+    if (color || v.type == VALUE_VECTOR) {
+        *names = color        ? "r, g and b"
+                 : count == 2 ? "x and y"
+                 : count == 3 ? "x, y and z"
+                              : "x, y, z and w";
         for (int i = 0; i < count && name.length == 1; ++i) {
             if (name.at[0] == letters[i]) {
                 return i;

@@ -158,7 +158,7 @@ struct Eval {
     Stop stop;
     uint64_t serial, oldest_forced;
     uintptr_t stack_floor;
-    uint64_t steps, objects;
+    uint64_t steps, objects, measures;
     uint32_t call_depth;
     CallFrame *calls;
     ForceFrame *forcing;
@@ -342,6 +342,8 @@ Value peek_name(const Eval *ev, Env *env, AstId id);
 void run_expect(Eval *ev, Env *env, AstId id);
 // Keeps those of a file, too, that were never run.
 void keep_unrun_expectations(Eval *ev, Module *module);
+// measure_check.c: once the scene is made, whether what is to be measured is there.
+void check_measures(Eval *ev);
 
 // emit.c
 void run_items(Eval *ev, Env *env, const uint32_t *items, uint32_t count);

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-enum { LONGEST_TEXT = 100, LONGEST_ITEMS = 60, MOST_PARTS = 12 };
+enum { LONGEST_TEXT = 100, LONGEST_ITEMS = 60, MOST_PARTS = 12, MOST_MEASURES = 100000 };
 
 // --- Values as short texts -----------------------------------------------------------------------
 
@@ -60,17 +60,17 @@ static const char *source_text(Eval *ev, Span at)
 
 // --- Parts ---------------------------------------------------------------------------------------
 
-static void add_part(Eval *ev, Failure *failure, const char *text, const char *value)
+static void add_part(Eval *ev, Finding *finding, const char *text, const char *value)
 {
-    bool known = strcmp(text, value) == 0 || failure->part_count == MOST_PARTS;
-    for (uint32_t i = 0; i < failure->part_count; ++i) {
-        known = known || strcmp(failure->parts[i].text, text) == 0;
+    bool known = strcmp(text, value) == 0 || finding->part_count == MOST_PARTS;
+    for (uint32_t i = 0; i < finding->part_count; ++i) {
+        known = known || strcmp(finding->parts[i].text, text) == 0;
     }
     if (!known) {
-        if (!failure->parts) {
-            failure->parts = arena_array(ev->arena, MOST_PARTS, sizeof *failure->parts);
+        if (!finding->parts) {
+            finding->parts = arena_array(ev->arena, MOST_PARTS, sizeof *finding->parts);
         }
-        failure->parts[failure->part_count++] = (ExpectationPart){text, value};
+        finding->parts[finding->part_count++] = (ExpectationPart){text, value};
     }
 }
 
@@ -81,27 +81,27 @@ static bool tells_something(Value v)
 }
 
 // An expression whose value is known; literals speak for themselves.
-void add_side(Eval *ev, Env *env, AstId id, Value v, Failure *failure)
+void add_side(Eval *ev, Env *env, AstId id, Value v, Finding *finding)
 {
     AstTag tag = env_node(env, id)->tag;
     bool literal = tag == AST_NUMBER || tag == AST_STRING || tag == AST_COLOR || tag == AST_BOOL;
-    if (!literal && tells_something(v)) {
-        add_part(ev, failure, source_text(ev, env_span(env, id)), short_value(ev, v));
+    if (!literal && tells_something(v) && v.type != VALUE_MEASURE) {
+        add_part(ev, finding, source_text(ev, env_span(env, id)), short_value(ev, v));
     }
 }
 
-static void add_names(Eval *ev, Env *env, AstId id, Failure *failure);
+static void add_names(Eval *ev, Env *env, AstId id, Finding *finding);
 
-static void add_names_of_list(Eval *ev, Env *env, uint32_t list, Failure *failure)
+static void add_names_of_list(Eval *ev, Env *env, uint32_t list, Finding *finding)
 {
     const uint32_t *words = env_words(env, list);
     for (uint32_t i = 0; i < words[0]; ++i) {
-        add_names(ev, env, words[1 + i], failure);
+        add_names(ev, env, words[1 + i], finding);
     }
 }
 
 // The names in an expression, but for those that are bound inside of it.
-static void add_names(Eval *ev, Env *env, AstId id, Failure *failure)
+static void add_names(Eval *ev, Env *env, AstId id, Finding *finding)
 {
     const AstNode *node = env_node(env, id);
     Value known = peek_name(ev, env, id);
@@ -109,43 +109,43 @@ static void add_names(Eval *ev, Env *env, AstId id, Failure *failure)
         return;
     }
     if (tells_something(known)) {
-        add_part(ev, failure, source_text(ev, env_span(env, id)), short_value(ev, known));
+        add_part(ev, finding, source_text(ev, env_span(env, id)), short_value(ev, known));
         return;
     }
     switch ((AstTag)node->tag) {
     case AST_BINARY:
     case AST_INDEX:
     case AST_RANGE:
-        add_names(ev, env, node->a, failure);
-        add_names(ev, env, node->b, failure);
+        add_names(ev, env, node->a, finding);
+        add_names(ev, env, node->b, finding);
         break;
     case AST_UNARY:
     case AST_MEMBER:
-        add_names(ev, env, node->a, failure);
+        add_names(ev, env, node->a, finding);
         break;
     case AST_ARGUMENT:
     case AST_FIELD:
-        add_names(ev, env, node->b, failure);
+        add_names(ev, env, node->b, finding);
         break;
     case AST_VECTOR:
     case AST_LIST:
-        add_names_of_list(ev, env, node->a, failure);
+        add_names_of_list(ev, env, node->a, finding);
         break;
     case AST_CALL:
     case AST_WITH:
-        add_names(ev, env, node->a, failure);
-        add_names_of_list(ev, env, node->b, failure);
+        add_names(ev, env, node->a, finding);
+        add_names_of_list(ev, env, node->b, finding);
         break;
     case AST_KIND:
-        add_names_of_list(ev, env, node->b, failure);
+        add_names_of_list(ev, env, node->b, finding);
         break;
     case AST_IF:
-        add_names(ev, env, node->a, failure);
-        add_names(ev, env, env_words(env, node->b)[0], failure);
-        add_names(ev, env, env_words(env, node->b)[1], failure);
+        add_names(ev, env, node->a, finding);
+        add_names(ev, env, env_words(env, node->b)[0], finding);
+        add_names(ev, env, env_words(env, node->b)[1], finding);
         break;
     case AST_FOR:
-        add_names(ev, env, env_words(env, node->b)[2], failure);
+        add_names(ev, env, env_words(env, node->b)[2], finding);
         break;
     default: // literals, and what has frames of its own
         break;
@@ -211,7 +211,8 @@ static bool is_comparison(const AstNode *node)
     return node->tag == AST_BINARY && node->op >= OP_EQUAL && node->op <= OP_GREATER_EQUAL;
 }
 
-static Truth compare_sides(Eval *ev, Env *env, AstId id, Failure *failure)
+// `whole`: the comparison is all that is expected, so that its sides may be measured.
+static Truth compare_sides(Eval *ev, Env *env, AstId id, bool whole, Finding *finding)
 {
     const AstNode *node = env_node(env, id);
     Operator op = (Operator)node->op;
@@ -219,35 +220,40 @@ static Truth compare_sides(Eval *ev, Env *env, AstId id, Failure *failure)
     if (is_error(a) || is_error(b)) {
         return TRUTH_ERROR;
     }
+    if (whole && (a.type == VALUE_MEASURE || b.type == VALUE_MEASURE)) {
+        finding->measure = measure_comparison(ev, op, a, b, env_span(env, id));
+        add_names(ev, env, id, finding);
+        return finding->measure ? TRUTH_TRUE : TRUTH_ERROR;
+    }
     Value v = compare_operands(ev, op, a, b, env_span(env, id));
     if (v.type != VALUE_BOOL) {
         return TRUTH_ERROR;
     }
     if (!v.boolean) {
-        failure->at = env_span(env, id);
-        failure->wrong = describe_comparison(ev, op, a, b);
-        add_side(ev, env, node->a, a, failure);
-        add_side(ev, env, node->b, b, failure);
-        add_names(ev, env, id, failure);
+        finding->at = env_span(env, id);
+        finding->wrong = describe_comparison(ev, op, a, b);
+        add_side(ev, env, node->a, a, finding);
+        add_side(ev, env, node->b, b, finding);
+        add_names(ev, env, id, finding);
     }
     return v.boolean ? TRUTH_TRUE : TRUTH_FALSE;
 }
 
 // What a call was given is worth more than that it gave false.
-static void add_arguments(Eval *ev, Env *env, const AstNode *call, Failure *failure)
+static void add_arguments(Eval *ev, Env *env, const AstNode *call, Finding *finding)
 {
     const uint32_t *words = env_words(env, call->b);
     for (uint32_t i = 0; i < words[0]; ++i) {
         const AstNode *argument = env_node(env, words[1 + i]);
         AstId id = argument->tag == AST_ARGUMENT ? argument->b : words[1 + i];
         if (env_node(env, id)->tag == AST_CALL) {
-            add_side(ev, env, id, eval(ev, env, id), failure);
+            add_side(ev, env, id, eval(ev, env, id), finding);
         }
     }
 }
 
 // An expression that must be true; of several with `and` between them, the first that isn't.
-static Truth holds(Eval *ev, Env *env, AstId id, Failure *failure)
+static Truth holds(Eval *ev, Env *env, AstId id, bool whole, Finding *finding)
 {
     const AstNode *node = env_node(env, id);
     if (stack_is_deep(ev)) {
@@ -255,25 +261,25 @@ static Truth holds(Eval *ev, Env *env, AstId id, Failure *failure)
         return TRUTH_ERROR;
     }
     if (node->tag == AST_BINARY && node->op == OP_AND) {
-        Truth left = holds(ev, env, node->a, failure);
-        return left == TRUTH_TRUE ? holds(ev, env, node->b, failure) : left;
+        Truth left = holds(ev, env, node->a, false, finding);
+        return left == TRUTH_TRUE ? holds(ev, env, node->b, false, finding) : left;
     }
     if (is_comparison(node)) {
-        return compare_sides(ev, env, id, failure);
+        return compare_sides(ev, env, id, whole, finding);
     }
     Truth truth = eval_condition(ev, env, id, "`expect`");
     if (truth == TRUTH_FALSE) {
-        failure->at = env_span(env, id);
-        failure->wrong = "it is false";
+        finding->at = env_span(env, id);
+        finding->wrong = "it is false";
         if (node->tag == AST_CALL) {
-            add_arguments(ev, env, node, failure);
+            add_arguments(ev, env, node, finding);
         }
-        add_names(ev, env, id, failure);
+        add_names(ev, env, id, finding);
     }
     return truth;
 }
 
-static Truth holds_within(Eval *ev, Env *env, AstId id, Failure *failure)
+static Truth holds_within(Eval *ev, Env *env, AstId id, Finding *finding)
 {
     const AstNode *node = env_node(env, id);
     const uint32_t *words = env_words(env, node->b);
@@ -283,15 +289,24 @@ static Truth holds_within(Eval *ev, Env *env, AstId id, Failure *failure)
                      .target = eval(ev, env, words[1]),
                      .at = env_span(env, id),
                      .tolerance_at = env_span(env, words[0])};
-    Truth truth = within_holds(ev, &within, &failure->wrong);
-    if (truth == TRUTH_FALSE) {
-        failure->at = env_span(env, id);
-        add_side(ev, env, node->a, within.value, failure);
-        add_side(ev, env, words[0], within.tolerance, failure);
-        add_side(ev, env, words[1], within.target, failure);
-        add_names(ev, env, node->a, failure);
-        add_names(ev, env, words[0], failure);
-        add_names(ev, env, words[1], failure);
+    Value sides[] = {within.value, within.target};
+    bool bad = is_error(sides[0]) || is_error(within.tolerance) || is_error(sides[1]) ||
+               !tolerance_is_sound(ev, &within);
+    Truth truth = TRUTH_ERROR;
+    if (!bad && (sides[0].type == VALUE_MEASURE || sides[1].type == VALUE_MEASURE)) {
+        finding->measure = measure_within(ev, &within);
+        truth = finding->measure ? TRUTH_TRUE : TRUTH_ERROR;
+    } else if (!bad) {
+        truth = within_holds(ev, &within, &finding->wrong);
+    }
+    if (truth == TRUTH_FALSE || finding->measure) {
+        finding->at = env_span(env, id);
+        add_side(ev, env, node->a, within.value, finding);
+        add_side(ev, env, words[0], within.tolerance, finding);
+        add_side(ev, env, words[1], within.target, finding);
+        add_names(ev, env, node->a, finding);
+        add_names(ev, env, words[0], finding);
+        add_names(ev, env, words[1], finding);
     }
     return truth;
 }
@@ -303,48 +318,80 @@ static const char *keep_text(Eval *ev, const char *text)
     return arena_copy_string(&ev->scene->arena, text, strlen(text));
 }
 
-static void keep_failure(Eval *ev, SceneExpectation *expectation, const Failure *failure)
+static void keep_parts(Eval *ev, SceneExpectation *expectation, const Finding *finding)
 {
-    expectation->wrong_at = failure->at;
-    expectation->wrong = keep_text(ev, failure->wrong);
     expectation->parts =
-        arena_array(&ev->scene->arena, failure->part_count, sizeof *expectation->parts);
-    for (uint32_t i = 0; i < failure->part_count; ++i) {
-        expectation->parts[i] = (ExpectationPart){keep_text(ev, failure->parts[i].text),
-                                                  keep_text(ev, failure->parts[i].value)};
+        arena_array(&ev->scene->arena, finding->part_count, sizeof *expectation->parts);
+    for (uint32_t i = 0; i < finding->part_count; ++i) {
+        expectation->parts[i] = (ExpectationPart){keep_text(ev, finding->parts[i].text),
+                                                  keep_text(ev, finding->parts[i].value)};
     }
-    expectation->part_count = failure->part_count;
+    expectation->part_count = finding->part_count;
+}
+
+static SceneExpectation *new_record(Eval *ev, Module *module, AstId id)
+{
+    SceneExpectationArray *all = &ev->scene->expectations;
+    if (!array_push(all, (SceneExpectation){.at = ast_span(&module->ast, id)})) {
+        out_of_memory(ev);
+    }
+    module->ast.extra.items[module->ast.nodes.items[id].b + 2] = (uint32_t)all->count;
+    return &all->items[all->count - 1];
 }
 
 static SceneExpectation *find_record(Eval *ev, Module *module, AstId id)
 {
-    SceneExpectationArray *all = &ev->scene->expectations;
-    uint32_t *record = &module->ast.extra.items[module->ast.nodes.items[id].b + 2];
-    if (!*record) {
-        if (!array_push(all, (SceneExpectation){.at = ast_span(&module->ast, id)})) {
-            out_of_memory(ev);
-        }
-        *record = (uint32_t)all->count;
-    }
-    return &all->items[*record - 1];
+    uint32_t record = module->ast.extra.items[module->ast.nodes.items[id].b + 2];
+    SceneExpectation *found = record ? &ev->scene->expectations.items[record - 1] : NULL;
+    return found && !found->measure ? found : new_record(ev, module, id);
 }
 
 void keep_unrun_expectations(Eval *ev, Module *module)
 {
     for (AstId id = 1; id < module->ast.nodes.count; ++id) {
-        if (module->ast.nodes.items[id].tag == AST_EXPECT) {
-            find_record(ev, module, id);
+        const AstNode *node = &module->ast.nodes.items[id];
+        if (node->tag == AST_EXPECT && !module->ast.extra.items[node->b + 2]) {
+            new_record(ev, module, id);
         }
     }
 }
 
-static void warn(Eval *ev, const Failure *failure)
+static void warn(Eval *ev, const Finding *finding)
 {
-    Diag *diag = report(ev, W0501, failure->at, "this expectation isn't met");
-    diag_label(ev->sink, diag, "%s", failure->wrong);
-    for (uint32_t i = 0; i < failure->part_count; ++i) {
-        diag_note(ev->sink, diag, "%s is %s", failure->parts[i].text, failure->parts[i].value);
+    Diag *diag = report(ev, W0501, finding->at, "this expectation isn't met");
+    diag_label(ev->sink, diag, "%s", finding->wrong);
+    for (uint32_t i = 0; i < finding->part_count; ++i) {
+        diag_note(ev->sink, diag, "%s is %s", finding->parts[i].text, finding->parts[i].value);
     }
+}
+
+static void keep_verdict(Eval *ev, Env *env, AstId id, bool met, const Finding *finding)
+{
+    SceneExpectation *expectation = find_record(ev, env->module, id);
+    ++expectation->times;
+    if (!met && ++expectation->fails == 1) {
+        expectation->wrong_at = finding->at;
+        expectation->wrong = keep_text(ev, finding->wrong);
+        keep_parts(ev, expectation, finding);
+    }
+    if (!met && !ev->lang->testing) {
+        warn(ev, finding);
+    }
+}
+
+// What is to be measured is kept each time that it is met with.
+static void keep_measure(Eval *ev, Env *env, AstId id, const Finding *finding)
+{
+    if (ev->measures == MOST_MEASURES) {
+        report(ev, E0707, env_span(env, id), "more than %d measured expectations", MOST_MEASURES);
+        stop_evaluation(ev, STOP_RUN);
+        return;
+    }
+    SceneExpectation *expectation = new_record(ev, env->module, id);
+    ++ev->measures;
+    expectation->times = 1;
+    expectation->measure = finding->measure;
+    keep_parts(ev, expectation, finding);
 }
 
 void run_expect(Eval *ev, Env *env, AstId id)
@@ -353,19 +400,14 @@ void run_expect(Eval *ev, Env *env, AstId id)
         return;
     }
     TidyMark mark = tidy_begin(ev);
-    Failure failure = {0};
+    Finding finding = {0};
     const AstNode *node = env_node(env, id);
-    Truth truth = env_words(env, node->b)[0] ? holds_within(ev, env, id, &failure)
-                                             : holds(ev, env, node->a, &failure);
-    if (truth != TRUTH_ERROR) {
-        SceneExpectation *expectation = find_record(ev, env->module, id);
-        ++expectation->times;
-        if (truth == TRUTH_FALSE && ++expectation->fails == 1) {
-            keep_failure(ev, expectation, &failure);
-        }
-        if (truth == TRUTH_FALSE && !ev->lang->testing) {
-            warn(ev, &failure);
-        }
+    Truth truth = env_words(env, node->b)[0] ? holds_within(ev, env, id, &finding)
+                                             : holds(ev, env, node->a, true, &finding);
+    if (finding.measure) {
+        keep_measure(ev, env, id, &finding);
+    } else if (truth != TRUTH_ERROR) {
+        keep_verdict(ev, env, id, truth == TRUTH_TRUE, &finding);
     }
     tidy_end(ev, mark, value_nothing());
 }

@@ -276,6 +276,9 @@ static void evaluate(Eval *ev, const Run *run)
         keep_unrun_expectations(ev, module);
     }
     check_pixels(ev);
+    if (ev->sink->errors == 0) { // else what is missing may be what failed
+        check_measures(ev);
+    }
     ev->scene->hash = hash_scene(ev);
     ev->scene->camera = ev->scene->nodes[CATEGORY_CAMERA].count ? 0 : NONE_ID;
 }

@@ -1,6 +1,6 @@
 // Operators, and what they do to dimensions (language.md, section 4): + - < == want equal ones, a
 // bare number scales anything, a ratio of equals is bare.
-#include "lang/eval.h"
+#include "lang/measure.h"
 
 #include <stdio.h>
 
@@ -233,6 +233,9 @@ static Value arithmetic(Eval *ev, Operator op, Value a, Value b, Where where)
     if (op == OP_ADD && a.type == VALUE_STRING && b.type == VALUE_STRING) {
         return join_strings(ev, a, b);
     }
+    if (a.type == VALUE_MEASURE || b.type == VALUE_MEASURE) {
+        return measure_arithmetic(ev, op, a, b, at);
+    }
     bool textures = (is_texture(ev, a) || is_texture(ev, b)) && is_texture_operand(ev, a) &&
                     is_texture_operand(ev, b);
     if (textures && ev->texture_math >= 0 &&
@@ -343,6 +346,11 @@ static Value ordering(Eval *ev, Operator op, Value a, Value b, Span at)
 
 Value compare_operands(Eval *ev, Operator op, Value a, Value b, Span at)
 {
+    if (a.type == VALUE_MEASURE || b.type == VALUE_MEASURE) {
+        Diag *diag = report(ev, E0415, at, "what is measured is not known while the scene is made");
+        diag_note(ev->sink, diag, "an `expect` may compare it, by itself: `expect a < b`");
+        return fail(diag);
+    }
     return op == OP_EQUAL || op == OP_NOT_EQUAL ? equality(ev, op, a, b, at)
                                                 : ordering(ev, op, a, b, at);
 }
@@ -411,6 +419,10 @@ Value eval_unary(Eval *ev, Env *env, AstId id)
     if (v.type == VALUE_VECTOR) {
         const double *c = v.components;
         return make_vector(ev, (const double[]){-c[0], -c[1], -c[2], -c[3]}, v.small, v.dim);
+    }
+    if (v.type == VALUE_MEASURE) {
+        return measure_arithmetic(ev, OP_MULTIPLY, v, value_number(-1, DIM_NONE),
+                                  env_span(env, id));
     }
     if (is_error(v)) {
         return v;

@@ -25,15 +25,19 @@ typedef enum ValueType {
     VALUE_NODE,
     VALUE_TRANSFORM,
     VALUE_BOUNDS,
+    VALUE_SIGHT,   // where something is measured
+    VALUE_MEASURE, // what is measured
 } ValueType;
 
 typedef struct Closure Closure;
+typedef struct MeasureNode MeasureNode;
 typedef struct NodeValue NodeValue;
 
 typedef struct Value {
     uint8_t type;   // ValueType
     uint8_t dim;    // numbers and vectors: Dim; the numbers are in SI
-    uint16_t small; // vectors: components (2 to 4); strings: number of the module that wrote it
+    uint16_t small; // vectors: components (2 to 4); measures: 1 or 3; strings: number of the module
+                    // that wrote it
     uint32_t count; // lists and ranges: items; strings: bytes; builtins: which
     union {
         double number; // numbers; ranges: the first item, a whole number
@@ -45,6 +49,8 @@ typedef struct Value {
         NodeValue *node;
         const Affine *transform;
         const Box3 *bounds;
+        const struct Sight *sight;
+        const MeasureNode *measure;
     };
 } Value;
 

@@ -1,16 +1,19 @@
-// The `film` and `render` kinds.
+// The `film`, `render` and `test` kinds.
 #include "render/filter.h"
+#include "render/meter.h"
 #include "render/render.h"
 
 // The defaults that a scene without these settings gets, too; written once.
-#define TEXT(x)          TEXT_OF(x)
-#define TEXT_OF(x)       #x
-#define DEFAULT_WIDTH    960
-#define DEFAULT_HEIGHT   540
-#define DEFAULT_EXPOSURE 0
-#define DEFAULT_SAMPLES  64
-#define DEFAULT_BOUNCES  12
-#define DEFAULT_SEED     0
+#define TEXT(x)              TEXT_OF(x)
+#define TEXT_OF(x)           #x
+#define DEFAULT_WIDTH        960
+#define DEFAULT_HEIGHT       540
+#define DEFAULT_EXPOSURE     0
+#define DEFAULT_SAMPLES      64
+#define DEFAULT_BOUNCES      12
+#define DEFAULT_SEED         0
+#define DEFAULT_CONFIDENCE   0.999
+#define DEFAULT_TEST_SAMPLES 16777216
 enum { DEFAULT_FILTER = FILTER_BLACKMAN_HARRIS, DEFAULT_TONE = TONE_SRGB };
 
 static const char *const filters[] = {"box", "tent", "gaussian", "blackman_harris", "center", NULL};
@@ -197,6 +200,46 @@ const NodeType render_kind = {
     .doc = "How the picture is computed.",
     .example = "render { samples: 256, bounces: 8, seed: 7 }",
 };
+
+static const Param test_params[] = {
+    {.name = "confidence",
+     .type = PARAM_NUMBER,
+     PARAM_AT(TestParams, confidence),
+     .min = 0.5,
+     .max = 1,
+     .flags = PARAM_EXCLUDE_MAX,
+     .default_text = TEXT(DEFAULT_CONFIDENCE),
+     .doc = "the chance that a verdict on a measured expectation is right, at least"},
+    {.name = "samples",
+     .type = PARAM_INT,
+     PARAM_AT(TestParams, samples),
+     .min = 1,
+     .max = 1e12,
+     .default_text = TEXT(DEFAULT_TEST_SAMPLES),
+     .doc = "rays from the camera that a measured expectation may take at most; 8192 are the "
+            "fewest"},
+};
+
+const NodeType test_kind = {
+    .name = "test",
+    .category = CATEGORY_SETTING,
+    .params = test_params,
+    .param_count = sizeof test_params / sizeof *test_params,
+    .size = sizeof(TestParams),
+    .doc = "How `scnrender test` measures what the scene expects of its light.",
+    .formula = "Samples are doubled until the confidence interval of the mean lies wholly on one "
+               "side of what is expected: Student's t over 32 independent randomizations of the "
+               "sampler, with Bonferroni's correction for the looks and channels.",
+    .example = "test { confidence: 0.9999, samples: 1e6 }\n"
+               "expect radiance(region((0, 0), (9, 9))) within 1% of 0.5",
+};
+
+TestParams scene_test(const Scene *scene)
+{
+    const TestParams *own = scene_setting(scene, "test");
+    return own ? *own
+               : (TestParams){.confidence = DEFAULT_CONFIDENCE, .samples = DEFAULT_TEST_SAMPLES};
+}
 
 FilmParams scene_film(const Scene *scene)
 {
