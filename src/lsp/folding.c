@@ -51,11 +51,13 @@ cJSON *feature_folding_ranges(Server *server, Document *document, const cJSON *p
     const DocumentTokens *tokens = document_tokens(server, document);
     const Buffer *text = &document->text;
     cJSON *list = cJSON_CreateArray();
-    uint32_t open[DEEPEST], depth = 0;
+    uint32_t open[DEEPEST], depth = 0, line = 0;
     Run comments = {0}, imports = {0};
     for (size_t i = 0; i < tokens->count; ++i) {
         const DocumentToken *token = &tokens->items[i];
-        uint32_t line = buffer_line(text, token->begin);
+        while (line + 1 < text->lines.count && text->lines.items[line + 1] <= token->begin) {
+            ++line;
+        }
         switch (token->kind) {
         case TOKEN_LEFT_BRACE:
         case TOKEN_LEFT_PAREN:

@@ -1,0 +1,5 @@
+if exists('g:loaded_scnrender') || !has('nvim')
+  finish
+endif
+let g:loaded_scnrender = 1
+command! ScnPreview lua require('scnrender').preview()
