@@ -1,5 +1,8 @@
 #include "cli/interrupt.h"
 
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
 #include <unistd.h>
 
 // As if nobody had caught it, so that a shell sees what happened.
@@ -14,21 +17,49 @@ static void end_by(int number)
     pause();
 }
 
+// The next signal's number; 0 once the thread is to end. (It isn't cancelled: the sanitizers take
+// what a cancelled thread leaves behind for faults.)
+static int next_signal(const Interrupt *interrupt)
+{
+    struct pollfd fds[2] = {{interrupt->signals, POLLIN, 0}, {interrupt->wake, POLLIN, 0}};
+    for (;;) {
+        struct signalfd_siginfo info;
+        int ready = poll(fds, 2, -1);
+        if (ready > 0 && fds[1].revents) {
+            return 0;
+        }
+        if (ready > 0 && read(interrupt->signals, &info, sizeof info) == (ssize_t)sizeof info) {
+            return (int)info.ssi_signo;
+        }
+    }
+}
+
 static void *wait_for_signals(void *context)
 {
     Interrupt *interrupt = context;
-    int first = 0, second = 0;
-    if (sigwait(&interrupt->waited, &first) != 0) {
+    int first = next_signal(interrupt);
+    if (!first) {
         return NULL;
     }
     if (!atomic_load(&interrupt->heeded)) {
         end_by(first);
     }
     atomic_store(&interrupt->signal, first);
-    if (sigwait(&interrupt->waited, &second) == 0) {
+    int second = next_signal(interrupt);
+    if (second) {
         end_by(second);
     }
     return NULL;
+}
+
+static void close_descriptors(const Interrupt *interrupt)
+{
+    if (interrupt->signals >= 0) {
+        close(interrupt->signals);
+    }
+    if (interrupt->wake >= 0) {
+        close(interrupt->wake);
+    }
 }
 
 void interrupt_heed(Interrupt *interrupt)
@@ -51,9 +82,12 @@ void interrupt_begin(Interrupt *interrupt)
         }
     }
     pthread_sigmask(SIG_BLOCK, &interrupt->waited, &interrupt->before);
-    interrupt->begun =
-        any && pthread_create(&interrupt->thread, NULL, wait_for_signals, interrupt) == 0;
+    interrupt->signals = signalfd(-1, &interrupt->waited, SFD_CLOEXEC | SFD_NONBLOCK);
+    interrupt->wake = eventfd(0, EFD_CLOEXEC);
+    interrupt->begun = any && interrupt->signals >= 0 && interrupt->wake >= 0 &&
+                       pthread_create(&interrupt->thread, NULL, wait_for_signals, interrupt) == 0;
     if (!interrupt->begun) {
+        close_descriptors(interrupt);
         pthread_sigmask(SIG_SETMASK, &interrupt->before, NULL);
     }
 }
@@ -61,8 +95,9 @@ void interrupt_begin(Interrupt *interrupt)
 void interrupt_end(Interrupt *interrupt)
 {
     if (interrupt->begun) {
-        pthread_cancel(interrupt->thread); // it waits in sigwait, which can be cancelled
+        eventfd_write(interrupt->wake, 1);
         pthread_join(interrupt->thread, NULL);
+        close_descriptors(interrupt);
         pthread_sigmask(SIG_SETMASK, &interrupt->before, NULL);
         interrupt->begun = false;
     }

@@ -13,6 +13,7 @@ typedef struct Interrupt {
     atomic_int signal;  // the first that came, or 0: the renderer's `stop`
     atomic_bool heeded; // there is something to be kept
     sigset_t waited, before;
+    int signals, wake; // descriptors: a signalfd, an eventfd that ends the thread
     pthread_t thread;
     bool begun;
 } Interrupt;

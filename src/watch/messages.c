@@ -375,5 +375,6 @@ Text session_status_json(Session *session)
     cJSON_AddNumberToObject(json, "rays_per_second", status.rays_per_second);
     add_optional(json, "error", status.error);
     add_optional(json, "first_picture", status.first_picture);
+    cJSON_AddNumberToObject(json, "worlds", (double)status.worlds);
     return print_json(json);
 }

@@ -315,6 +315,7 @@ static void announce(Worker *w, Loaded *loaded, bool sound)
         text_free(&session->params);
         text_write(&session->params, loaded->params.bytes, loaded->params.length);
     }
+    session->status.worlds += loaded->world != NULL;
     session->status.errors = loaded->lang.sink.errors;
     session->status.warnings = loaded->lang.sink.warnings;
     ++session->news.scene;

@@ -64,6 +64,7 @@ typedef struct SessionStatus {
     double seconds, seconds_left, rays_per_second; // of rendering; left: INFINITY while unknown
     double error;              // of the picture (Snapshot.error); NAN while unknown
     double first_picture;      // seconds from the last change to the first picture after it; NAN
+    uint64_t worlds;           // built so far: accelerators, lights and textures
     uint32_t errors, warnings; // of the scene as the files are now
 } SessionStatus;
 SessionStatus session_status(Session *session);

@@ -2,6 +2,7 @@
 
 #include "base/mem.h"
 #include "base/module.h"
+#include "base/number.h"
 #include "watch/inspect.h"
 
 #include <cjson/cJSON.h>
@@ -227,11 +228,11 @@ static bool number_of(const cJSON *value, double *number, char *unit, size_t uni
         return true;
     }
     const char *text = cJSON_GetStringValue(value);
-    int length = 0;
-    if (!text || sscanf(text, "%lf%n", number, &length) != 1) {
+    const char *rest = text ? number_parse(text, text + strlen(text), number) : NULL;
+    if (!rest) {
         return false;
     }
-    snprintf(unit, unit_size, "%s", text + length);
+    snprintf(unit, unit_size, "%s", rest);
     return true;
 }
 

@@ -162,7 +162,7 @@ static bool send_picture(const TevSender *sender, Sent *sent, const Snapshot *pi
         sent->width = picture->width;
         sent->height = picture->height;
     }
-    uint32_t rows = MOST_PACKET_FLOATS / (CHANNELS * picture->width) + 1;
+    uint32_t rows = MOST_PACKET_FLOATS / (CHANNELS * picture->width + 1) + 1;
     for (uint32_t first = 0; first < picture->height; first += rows) {
         uint32_t left = picture->height - first, part = left < rows ? left : rows;
         tev_update_image(&packet, sender->name, picture->width, first, part,

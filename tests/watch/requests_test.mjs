@@ -60,17 +60,18 @@ test("a bad setting is told, and the picture stays", async () => {
 });
 
 test("exposure and tone curve render nothing", async () => {
-  const before = await picture(), seconds = state.status.seconds;
+  const before = await picture(), { seconds, worlds } = state.status;
   await post("look?exposure=2&tone=2");
   await until("the brighter picture", async () => (await picture()).mean > before.mean);
   assert.equal(state.status.phase, "done");
-  assert.equal(state.status.seconds, seconds);
+  assert.deepEqual([state.status.seconds, state.status.worlds], [seconds, worlds]);
   assert.equal((await picture()).number, before.number);
   await until("the command line", () => state.view.command.endsWith("--exposure 2 --tone aces"));
   await post("look");
 });
 
 test("cameras: chosen, moved, written as text, put back", async () => {
+  const { worlds } = (await json("state")).status;
   await post("camera?number=1");
   await until("the camera's name", () => state.view.command.endsWith("--camera side"));
   await done();
@@ -78,6 +79,7 @@ test("cameras: chosen, moved, written as text, put back", async () => {
   await until("the camera's text", () => state.view.camera_text.startsWith("camera { position: ("));
   await done();
   const moved = await picture(), text = state.view.camera_text;
+  assert.equal((await json("state")).status.worlds, worlds, "the accelerator stays");
   // Pasted into the scene, the text gives the same picture, byte for byte.
   await post("camera?number=0");
   saveByRename(file, scene.replace(/camera \{ name: "front".*\n/, text + "\n"));
@@ -136,6 +138,22 @@ test("files: an error, its end, an import, a missing one", async () => {
   await until("the import's return", () => state.scene.errors === 0);
   saveByRename(file, scene);
   await until("the old scene", () => state.scene.params[1].default !== "rgb(0.8, 0.2, 0.1)");
+  await done();
+});
+
+test("a texture that is saved is rendered anew", async () => {
+  const paint = (r, g, b) => Buffer.concat([Buffer.from("P6 1 1 255\n"), Buffer.from([r, g, b])]);
+  fs.writeFileSync(path.join(folder, "paint.ppm"), paint(200, 20, 20));
+  saveByRename(file, scene.replace("color: paint }", 'color: image { file: "paint.ppm" } }'));
+  const middle = async () => {
+    const { bytes, width, height } = await picture();
+    return bytes.slice((width * (height / 2) + width / 2) * 4).slice(0, 3);
+  };
+  await until("a red ball", async () => { const [r, g] = await middle(); return r > 2 * g; }, 60000);
+  saveByRename(path.join(folder, "paint.ppm"), paint(20, 200, 20));
+  await until("a green ball", async () => { const [r, g] = await middle(); return g > 2 * r; });
+  saveByRename(file, scene);
+  await until("the old scene", async () => { const [r, g] = await middle(); return r === g; });
   await done();
 });
 
