@@ -206,6 +206,7 @@ test("each control has a name, and what has the focus shows it", async () => {
     .filter((e) => !(e.getAttribute("aria-label") || e.textContent.trim() || (e.labels && e.labels.length > 0)))
     .map((e) => e.outerHTML));
   assert.deepEqual(nameless, []);
+  await page.locator("#pause").focus();
   await page.keyboard.press("Tab");
   const outline = await page.evaluate(() => getComputedStyle(document.activeElement).outlineStyle);
   assert.equal(outline, "solid");
