@@ -99,7 +99,8 @@ test('every word of every scene has the scope of what it is', async () => {
   assert.equal(await client.stop(), 0);
 });
 
-// Editors' files must list names themselves; they are held to the program's tables.
+// Editors' files must list names themselves; they are held to the program's tables. For functions,
+// tools/docs writes them anew.
 test('the names that the grammars list are the program\'s', () => {
   const read = (file) => fs.readFileSync(path.join(root, file), 'utf8');
   const all = (text, pattern) => [...text.matchAll(pattern)].map((match) => match[1]).sort();

@@ -8,7 +8,7 @@ syntax match scnName /\<[A-Za-z_][A-Za-z0-9_]*\>/
 syntax match scnField /\<[A-Za-z_][A-Za-z0-9_]*\>\ze\s*:/
 syntax match scnKind /\<[A-Za-z_][A-Za-z0-9_]*\>\ze\s*{/
 syntax match scnCall /\<[A-Za-z_][A-Za-z0-9_]*\>\ze(/
-syntax match scnBuiltin /\<\%(abs\|acos\|asin\|assert\|atan\|atan2\|blackbody\|blinn_phong\|bounds\|burley\|ceil\|clamp\|concat\|contains\|cos\|cross\|distance\|dot\|exp\|filter\|floor\|fold\|fract\|fresnel\|ggx\|gray\|hsv\|hypot\|len\|length\|lerp\|log\|log10\|log2\|look_at\|luminance\|map\|matrix\|max\|min\|mix\|mod\|noise\|normalize\|phong\|pow\|print\|random\|range\|reflect\|refract\|reverse\|rgb\|rotate\|rotate_x\|rotate_y\|rotate_z\|round\|scale\|schlick\|sign\|sin\|smoothstep\|sort\|sqrt\|srgb\|step\|str\|sum\|tan\|translate\|zip\)\>\ze(/
+syntax match scnBuiltin /\<\%(abs\|acos\|asin\|assert\|atan\|atan2\|blackbody\|blinn_phong\|bounds\|burley\|ceil\|clamp\|concat\|contains\|cos\|coverage\|cross\|distance\|dot\|exp\|filter\|floor\|fold\|fract\|fresnel\|ggx\|gray\|hsv\|hypot\|len\|length\|lerp\|log\|log10\|log2\|look_at\|luminance\|map\|matrix\|max\|min\|mix\|mod\|noise\|normalize\|object\|phong\|picture\|pow\|print\|radiance\|random\|range\|ray\|reflect\|refract\|region\|reverse\|rgb\|rotate\|rotate_x\|rotate_y\|rotate_z\|round\|scale\|schlick\|sign\|sin\|smoothstep\|sort\|sqrt\|srgb\|step\|str\|sum\|tan\|translate\|zip\)\>\ze(/
 syntax keyword scnInclude import as
 syntax keyword scnStatement let param fn expect within with
 syntax keyword scnRepeat for in

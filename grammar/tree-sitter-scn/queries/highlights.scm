@@ -19,7 +19,7 @@
 (call function: (identifier) @function.call)
 (call function: (member name: (identifier) @function.call))
 ((call function: (identifier) @function.builtin)
-  (#match? @function.builtin "^(abs|acos|asin|assert|atan|atan2|blackbody|blinn_phong|bounds|burley|ceil|clamp|concat|contains|cos|cross|distance|dot|exp|filter|floor|fold|fract|fresnel|ggx|gray|hsv|hypot|len|length|lerp|log|log10|log2|look_at|luminance|map|matrix|max|min|mix|mod|noise|normalize|phong|pow|print|random|range|reflect|refract|reverse|rgb|rotate|rotate_x|rotate_y|rotate_z|round|scale|schlick|sign|sin|smoothstep|sort|sqrt|srgb|step|str|sum|tan|translate|zip)$"))
+  (#match? @function.builtin "^(abs|acos|asin|assert|atan|atan2|blackbody|blinn_phong|bounds|burley|ceil|clamp|concat|contains|cos|coverage|cross|distance|dot|exp|filter|floor|fold|fract|fresnel|ggx|gray|hsv|hypot|len|length|lerp|log|log10|log2|look_at|luminance|map|matrix|max|min|mix|mod|noise|normalize|object|phong|picture|pow|print|radiance|random|range|ray|reflect|refract|region|reverse|rgb|rotate|rotate_x|rotate_y|rotate_z|round|scale|schlick|sign|sin|smoothstep|sort|sqrt|srgb|step|str|sum|tan|translate|zip)$"))
 
 (kind name: (identifier) @type)
 (field name: (identifier) @property)
