@@ -81,6 +81,12 @@ static inline Vec3 normalize(Vec3 a)
 {
     return scale(a, 1 / length(a));
 }
+// The same for a vector whose length is 1 up to rounding: a step of Newton's method, without
+// division and square root.
+static inline Vec3 renormalize(Vec3 a)
+{
+    return scale(a, 1.5 - 0.5 * dot(a, a));
+}
 static inline double vec3_get(Vec3 a, int axis)
 {
     return axis == 0 ? a.x : axis == 1 ? a.y : a.z;

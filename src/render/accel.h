@@ -11,6 +11,9 @@ typedef struct Hit {
     uint32_t shape;    // id of the shape's node
     uint32_t instance; // index into scene->instances, or NONE_ID in the world
     ShapeHit local;
+    uint32_t flat; // number + 1 of the flat piece of surface that was hit; 0: a curved one
+    bool inside;   // so far from the piece's edges that rays may leave it the fast way
+    Vec3 p;        // on a piece of the accelerator's table: the point, in its group's space
 } Hit;
 
 // Surface.material of an area light's shape that was given no material: it emits and reflects
@@ -22,16 +25,20 @@ typedef struct Surface {
     Vec3 p;
     Vec3 geometric; // unit, towards the shape's front side (outwards), whichever side was hit
     Vec3 shading;   // unit, on the same side as geometric
+    double error;   // bound on the distance from p to the surface, in the world
+    uint32_t shape, instance, primitive;
+    // The shape's own, else its instance's; else NONE_ID, the default material, or MATERIAL_BLACK.
+    uint32_t material;
+    bool front;     // the ray came from the front side
+    bool lamp;      // the shape stands in an area_light only
+    bool bent;      // shading isn't geometric
+    bool whole;     // what follows `ends` is filled in, too
+    RayEnds ends;   // of rays that leave it to the front
     Vec3 tangent;   // dp/du in the world, not normalized
     Vec3 bitangent; // dp/dv in the world, not normalized
     Vec3 object_p;  // p in the shape's own space, for textures of object space
     Vec2 uv;
-    Rgb color;    // vertex color
-    double error; // bound on the distance from p to the surface, in the world
-    uint32_t shape, instance, primitive;
-    // The shape's own, else its instance's; else NONE_ID, the default material, or MATERIAL_BLACK.
-    uint32_t material;
-    bool front; // the ray came from the front side
+    Rgb color; // vertex color
 } Surface;
 
 // Geometry that can't be hit, counted when it was built: shapes and triangles that have no area
@@ -54,6 +61,8 @@ bool accel_intersect(const Accel *accel, const Ray *ray, Hit *hit);
 // True when anything is hit.
 bool accel_occluded(const Accel *accel, const Ray *ray);
 void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out);
+// The same without what textures and tangents need, which costs less.
+void accel_surface_plain(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out);
 
 // A ray that leaves a surface towards a unit direction, to the side of `direction`. tmin = 0, tmax
 // = INFINITY. Its origin is the surface's point moved along the geometric normal by the offset
@@ -67,10 +76,12 @@ void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *
 // a ray from hitting the surface that it leaves: intersection decides in double precision, by the
 // side on which the ray starts.
 Ray surface_spawn(const Surface *surface, Vec3 direction);
-// The same towards a point `target` (on a surface of position error `target_error`; 0 for a light's
-// point): tmax ends before it by 4 target_error and 1e-9 of the way. *distance is from the surface
-// to the target.
-Ray surface_spawn_to(const Surface *surface, Vec3 target, double target_error, double *distance);
+// The same towards a point `target` at a distance from the surface's point (on a surface of
+// position error `target_error`; 0 for a light's point): tmax ends before it by 4 times both errors
+// and 1e-9 of the way. `facing` is the cosine between the way and the normal there where the
+// target's surface is flat, else 0.
+Ray surface_spawn_to(const Surface *surface, Vec3 target, double distance, double target_error,
+                     double facing);
 
 // The shape's (and its instance's) map from its own space to the world.
 Affine accel_to_world(const Accel *accel, uint32_t shape, uint32_t instance);

@@ -589,8 +589,11 @@ void accel_collect_free(Accel *accel)
     for (uint32_t i = 0; i < accel->group_count; ++i) {
         mem_free(accel->groups[i].kinds);
         mem_free(accel->groups[i].pockets);
+        mem_free(accel->groups[i].geometries);
+        mem_free(accel->groups[i].sweep);
     }
     mem_free(accel->groups);
+    mem_free(accel->flats);
     mem_free(accel->maps);
     mem_free(accel->order);
     mem_free(accel->unbounded);

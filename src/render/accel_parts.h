@@ -8,23 +8,43 @@
 // every size and place. Instances and pockets are primitives of one user geometry each, through
 // which the ray goes on in double precision: a million instances are one geometry.
 //
-// Single precision proposes, double precision decides. Embree holds every triangle a little larger
-// than it is (FLAT_GROWTH), so that a ray aimed at a vertex, where single precision would miss all
-// triangles around it now and then, is given one. Each triangle proposed is tested in double
-// precision by accel_flat_hit, without gaps between neighbours: a ray that starts by rounding
-// errors of double precision off a triangle doesn't hit it again. Where the line passes beside the
-// triangle in double precision, the proposal is doubtful: either the ray does pass, or it runs so
-// flat that single precision has taken a neighbour of the triangle that is hit. A doubtful hit
+// Flat pieces of surface (triangles, parallelograms, plane quadrilaterals of meshes) stand in one
+// table, but for those of large meshes. The few or the largest of a group, walls above all, are
+// swept (accel_sweep.c): each ray is tried on all of them at once in vectors of single precision,
+// whose errors are bounded, and what may be hit is decided in double precision. Neighbours overlap
+// by their errors, so that no ray passes between them.
+//
+// All else goes through Embree, and most rays take the fast way there (accel_trace.c): Embree finds
+// the nearest flat piece or curved shape in single precision, and what it finds is met again in
+// double precision. Where that doesn't agree, and for rays that start too near to the edges of one
+// of Embree's pieces or leave it too flat, the careful way is taken instead (accel_careful.c).
+//
+// The fast way. A ray that leaves a flat piece is lifted off it by FLAT_LIFT in single precision,
+// so that it doesn't meet the piece again; it leaves at a cosine of at least LIFT_LEAST_COSINE, and
+// from farther inside the piece's edges than FLAT_INSET, where no neighbour stands so near that the
+// lift could bring the ray beyond it, or that its grown edge could stand in the way. A ray to a
+// point on a surface ends before it by FLAT_LIFT along the surface's normal. All else starts and
+// ends where it does.
+//
+// The careful way: single precision proposes, double precision decides. Embree holds every piece a
+// little larger than it is (FLAT_GROWTH), so that a ray aimed at a vertex, where single precision
+// would miss all pieces around it now and then, is given one. Each piece proposed is tested in
+// double precision by accel_flat_hit, without gaps between neighbours: a ray that starts by
+// rounding errors of double precision off a piece doesn't hit it again. Where the line passes
+// beside the piece in double precision, the proposal is doubtful: either the ray does pass, or it
+// runs so flat that single precision has taken a neighbour of the piece that is hit. A doubtful hit
 // counts where no certain one is found near it, and not near the ends of the ray; so closed
 // surfaces stay closed, as Embree holds them. Curved shapes are intersected in double precision by
-// their kinds, within boxes grown by BOX_MARGIN.
+// their kinds in both ways, within boxes grown by BOX_MARGIN.
 //
-// What single precision can still do wrong, in parts of the group's size: a triangle may be hit by
-// a ray that passes within FLAT_DOUBT of its edge, further from the ray's ends than FLAT_CERTAIN;
-// of two surfaces nearer to each other than about 2^-21 the wrong one may come first; and a ray
-// that meets a triangle at a cosine below RAY_LEAST_COSINE, or within FLAT_CERTAIN of its start,
-// may pass through if it starts nearer to the triangle's plane, or meets it nearer to its edge,
-// than about 2^-19.
+// What single precision can still do wrong with Embree's pieces, in parts of the group's size: one
+// may be hit, or may throw a shadow, where a ray passes within FLAT_GROWTH of its edge (within
+// FLAT_DOUBT, and further from the ray's ends than FLAT_CERTAIN, where a hit is asked for); of two
+// surfaces nearer to each other than about 2^-20 the wrong one may come first, and what lies nearer
+// than that to a lamp's surface throws no shadow in its light; outlines are off by as much; and a
+// ray that meets a piece at a cosine below RAY_LEAST_COSINE, or within FLAT_CERTAIN of its start,
+// may pass through if it starts nearer to the piece's plane, or meets it nearer to its edge, than
+// about 2^-19.
 #ifndef RENDER_ACCEL_PARTS_H
 #define RENDER_ACCEL_PARTS_H
 
@@ -48,12 +68,35 @@
 // What it meets on the way to the true beginning costs a test in double precision each.
 #define RAY_LEAST_COSINE 0x1p-9
 #define RAY_MARGIN       (FLAT_GROWTH / 2 / RAY_LEAST_COSINE)
-// How much boxes are grown: the float ray's distance from the true one.
-#define BOX_MARGIN 0x1p-21
+// How much boxes are grown: the float ray's distance from the true one, and the rounding of
+// Embree's own test.
+#define BOX_MARGIN 0x1p-19
+// How far a ray is lifted off the flat piece that it leaves, along the piece's normal: more than
+// the error of the distance from a plane in single precision, some 2^-22 times the piece's size, up
+// to 2 sqrt(2).
+#define FLAT_LIFT 0x1p-20
+// The flattest rays that are lifted.
+#define LIFT_LEAST_COSINE 0x1p-5
+// The nearest to an edge: from there even the flattest such ray passes over the edge of a
+// neighbour, grown by FLAT_GROWTH, that stands across.
+#define FLAT_INSET (FLAT_GROWTH / LIFT_LEAST_COSINE)
+// Thin pieces, of a smaller sine between two edges, are left to the careful way: their planes are
+// less certain.
+#define LIFT_LEAST_SINE 0x1p-2
 // A mesh smaller than this part of its group gets a pocket.
 #define POCKET_SIZE 0x1p-5
 // Flat shapes with an edge shorter than this part of their group are intersected in double.
 #define FLAT_SIZE 0x1p-10
+// Meshes of no more triangles are kept in the table of flat pieces, and so many pieces in all.
+#define TABLE_MESH  4096
+#define TABLE_COUNT 65536
+// So many pieces of a group are swept if it has no more; else the largest, half as many at most,
+// whose boxes' surfaces are no smaller than this part of the group's box.
+#define SWEEP_MOST 32
+#define SWEEP_AREA 0.0625
+// A bound on the rounding errors of the sweep's single precision, as a length and in parts of the
+// group's size, for rays that meet a piece head-on: they grow with the inverse of the cosine.
+#define SWEEP_ERROR 0x1p-19
 
 typedef struct AccelGroup AccelGroup;
 
@@ -66,23 +109,61 @@ typedef struct AccelKind {
     const uint32_t *ids; // shape ids
     uint32_t count;
     bool native;        // triangles of Embree's: flat shapes, or one mesh
-    int corners;        // flat shapes: 3, or 4, which are two triangles
+    bool tabled;        // native, and in the table of flat pieces: it has no geometry of its own
+    int corners;        // flat shapes: 3 or 4
     const Mesh *mesh;   // the one mesh, or NULL
     uint32_t transform; // of the mesh
+    uint32_t first;     // number of the mesh's first triangle among all flat pieces
+    double inset;       // FLAT_INSET in the mesh's own space
 } AccelKind;
+
+// A flat piece of surface in its group's space: the points corner + s u + t v with s, t,
+// 1 - s - over_s t and 1 - t - over_t s >= 0. over_s = over_t = 0 makes a parallelogram, 1 a
+// triangle.
+typedef struct AccelFlat {
+    Vec3 corner, u, v;
+    Vec3 normal;           // unit, towards the front
+    Vec3 along_u, along_v; // s = along_u · (p - corner), t = along_v · (p - corner)
+    double over_s, over_t;
+    double error; // bound on the distance of points so found from the true surface
+    double steep; // how much, at most, one of the four numbers grows over a length of 1
+    const AccelKind *kind;
+    uint32_t shape, primitive;
+    float inset; // FLAT_INSET, in those numbers; INFINITY where the piece is too thin
+    bool four;   // corners
+    bool pair;   // four corners, of two triangles of a mesh: `primitive` and the next
+    bool smooth; // the shading normal isn't the piece's
+} AccelFlat;
+
+// The numbers of a group's geometries: its flat pieces that aren't swept, then those kinds that
+// aren't tabled in their order, then the pockets and the instances.
+enum { GEOMETRY_QUADS, GEOMETRY_TRIANGLES, GEOMETRY_KINDS };
+
+// Eight pieces for the sweep, single precision in the group's coordinates: the plane, s and t as
+// linear functions of the point, and the rest of AccelFlat's.
+typedef float SweepFloats __attribute__((vector_size(32), aligned(16)));
+typedef struct SweepBlock {
+    SweepFloats plane[4], s[4], t[4], over_s, over_t, steep;
+} SweepBlock;
 
 struct AccelGroup {
     const Accel *accel;
     Vec3 center;
-    double scale;            // a power of 2
-    double inverse_scale;    // thus exact
-    Box3 bounds;             // of the bounded geometry, in the group's space
-    AccelKind *kinds;        // a geometry each, numbered alike in Embree's scene
-    uint32_t kind_count;     // then follow, where there are any, …
-    uint32_t *pockets;       // … one geometry of the group's pockets: group numbers
-    uint32_t pocket_count;   //
-    uint32_t instance_count; // … and one of the world's instances: all of them, or none
-    void *hierarchy;         // RTCScene; NULL: the group has no bounded geometry
+    double scale;         // a power of 2
+    double inverse_scale; // thus exact
+    Box3 bounds;          // of the bounded geometry, in the group's space
+    void *hierarchy;      // RTCScene; NULL: the group has nothing for it
+    // Its pieces in the accelerator's table: those that are swept, then quads, then triangles.
+    uint32_t first_flat, sweep_count, quad_count, triangle_count;
+    SweepBlock *sweep;
+    uint32_t first_mesh, mesh_triangles; // the numbers of its other meshes' triangles
+    AccelKind *kinds;
+    uint32_t kind_count;
+    const AccelKind **geometries; // the kinds that aren't tabled
+    uint32_t geometry_count;      // then follow, where there are any, …
+    uint32_t *pockets;            // … one geometry of the group's pockets: group numbers
+    uint32_t pocket_count;        //
+    uint32_t instance_count;      // … and one of the world's instances: all of them, or none
 };
 
 // An unbounded shape, in the world or in an instance.
@@ -97,6 +178,8 @@ struct Accel {
     size_t map_count;
     AccelGroup *groups; // one for each prototype, then the pockets
     uint32_t group_count;
+    AccelFlat *flats;
+    uint32_t flat_count;
     uint32_t *order; // shape ids, by prototype and kind
     AccelUnbounded *unbounded;
     uint32_t unbounded_count;
@@ -120,21 +203,52 @@ Box3 accel_instance_box(const Accel *accel, uint32_t instance);
 // The ray in the space of an instance, or of a shape: origin and direction mapped, t the same.
 static inline Ray ray_map(const Affine *inverse, const Ray *ray)
 {
-    return (Ray){transform_point(inverse, ray->origin), transform_vector(inverse, ray->direction),
-                 ray->tmin, ray->tmax};
+    return ray_make(transform_point(inverse, ray->origin),
+                    transform_vector(inverse, ray->direction), ray->tmin, ray->tmax);
 }
 static inline Ray accel_shape_ray(const Scene *scene, const SceneNode *node, const Ray *ray)
 {
     return node->transform == 0 ? *ray : ray_map(&scene->inverses.items[node->transform], ray);
 }
 
-// The shape that a native triangle is of, and its primitive there.
-static inline uint32_t accel_native_shape(const AccelKind *kind, uint32_t triangle,
-                                          uint32_t *primitive)
+// --- Flat pieces (accel_flats.c) ----------------------------------------------------------------
+
+// Makes the table of flat pieces and numbers the triangles of other meshes. False when memory runs
+// out.
+bool accel_tabulate(Accel *accel);
+// The number of the first piece of one of a group's geometries.
+static inline uint32_t accel_first_flat(const AccelGroup *group, uint32_t geometry)
 {
-    *primitive = kind->mesh ? triangle : 0;
-    return kind->ids[kind->mesh ? 0 : kind->corners == 4 ? triangle / 2 : triangle];
+    return group->first_flat + group->sweep_count +
+           (geometry == GEOMETRY_TRIANGLES ? group->quad_count : 0);
 }
+// The test of a piece in double precision: fills all of *hit where the ray meets it between its
+// ends; with `edges`, also where it passes no further beside it than rounding errors may bring it.
+bool accel_meet_flat(const Accel *accel, uint32_t number, const Ray *ray, uint32_t instance,
+                     bool edges, Hit *hit);
+// Fills what a hit that the careful way has found lacks.
+void accel_complete_hit(const Accel *accel, Hit *hit);
+// The same as accel_meet_flat, without the edges, for a triangle of a mesh outside the table.
+bool accel_meet_mesh(const AccelKind *kind, uint32_t triangle, const Ray *ray, uint32_t instance,
+                     Hit *hit);
+
+// --- The sweep (accel_sweep.c) ------------------------------------------------------------------
+
+// A ray in a group's coordinates, its direction of unit length.
+typedef struct SweepRay {
+    float origin[3], direction[3];
+    float begin, end;
+} SweepRay;
+// Fills group->sweep from its pieces. False when memory runs out.
+bool accel_make_sweep(AccelGroup *group);
+// The nearest piece that is met before ray->tmax; `local` is the ray in the group's coordinates.
+bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const SweepRay *local,
+                           uint32_t instance, Hit *hit);
+bool accel_sweep_occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
+                          uint32_t instance);
+
+// --- The careful way (accel_surface.c) ----------------------------------------------------------
+
 // A ray made ready for flat shapes: in the space of all those with one transform.
 typedef struct FlatRay {
     Ray ray;              // tmax is not used
@@ -151,6 +265,24 @@ void flat_ray_prepare(const Scene *scene, uint32_t transform, const Ray *ray, Fl
 typedef enum FlatHit { FLAT_MISSED, FLAT_BESIDE, FLAT_INSIDE } FlatHit;
 FlatHit accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive,
                        const FlatRay *flat, double tmax, ShapeHit *hit);
+
+static inline Vec3 accel_ends_normal(const RayEnds *ends)
+{
+    return vec3((double)ends->normal[0], (double)ends->normal[1], (double)ends->normal[2]);
+}
+// Whether the ray leaves one of Embree's flat pieces of this group, as it stands in this instance.
+static inline bool accel_leaves_piece(const AccelGroup *group, const Ray *ray, uint32_t instance)
+{
+    const uint32_t number = ray->ends.flat - 1;
+    return ray->ends.flat != 0 && ray->ends.instance == instance &&
+           (number - accel_first_flat(group, GEOMETRY_QUADS) <
+                group->quad_count + group->triangle_count ||
+            number - group->first_mesh < group->mesh_triangles);
+}
+
+// Brings a point of a shape's or an instance's space to the next, its error grown by that of the
+// way there and back.
+void accel_map_out(const Accel *accel, uint32_t transform, ShapePoint *point);
 
 // Tests the unbounded shapes; the nearest before ray->tmax.
 bool accel_unbounded_hit(const Accel *accel, const Ray *ray, Hit *hit);

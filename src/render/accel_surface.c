@@ -205,8 +205,7 @@ Affine accel_to_world(const Accel *accel, uint32_t shape, uint32_t instance)
                            own);
 }
 
-// Brings a point from one space to the next, its error grown by that of the way there and back.
-static void map_out(const Accel *accel, uint32_t transform, ShapePoint *point)
+void accel_map_out(const Accel *accel, uint32_t transform, ShapePoint *point)
 {
     const Affine *to = &accel->scene->transforms.items[transform];
     if (transform < accel->map_count) {
@@ -232,37 +231,98 @@ static void hit_point(const Scene *scene, const SceneNode *node, const SceneInst
     class->point(scene, scene_params(scene, node), &local, hit, out);
 }
 
-void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out)
+// Fills what the node and the instance say of the surface.
+static void surface_of_node(const SceneNode *node, const SceneInstance *instance, Surface *out)
+{
+    out->material = node->material != NONE_ID || !instance ? node->material : instance->material;
+    out->lamp = node->flags & NODE_LIGHT_ONLY;
+    if (out->material == NONE_ID && out->lamp) {
+        out->material = MATERIAL_BLACK;
+    }
+}
+
+// How rays start that leave the surface. `normal` is the flat piece's, in its group's space.
+static RayEnds surface_ends(const Hit *hit, Vec3 normal)
+{
+    return (RayEnds){.flat = hit->flat,
+                     .instance = hit->instance,
+                     .normal = {(float)normal.x, (float)normal.y, (float)normal.z},
+                     .near_edge = !hit->inside};
+}
+
+// What is known of a hit on a piece of the table, in its group's space.
+static void piece_point(const AccelFlat *flat, const Hit *hit, ShapePoint *out)
+{
+    out->p = hit->p;
+    out->geometric = out->shading = flat->normal;
+    out->tangent = flat->u;
+    out->bitangent = flat->v;
+    out->error = flat->error;
+}
+
+static bool shading_is_bent(const ShapePoint *point)
+{
+    const Vec3 a = point->geometric, b = point->shading;
+    return a.x != b.x || a.y != b.y || a.z != b.z;
+}
+
+static void fill_surface(const Accel *accel, const Ray *ray, const Hit *hit, bool whole,
+                         Surface *out)
 {
     const Scene *scene = accel->scene;
     const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, hit->shape);
     const SceneInstance *instance =
         hit->instance == NONE_ID ? NULL : &scene->instances.items[hit->instance];
+    const AccelFlat *flat = hit->flat - 1 < accel->flat_count ? &accel->flats[hit->flat - 1] : NULL;
     ShapePoint point;
-    hit_point(scene, node, instance, ray, &hit->local, &point);
-    out->object_p = point.p;
-    if (node->transform) {
-        map_out(accel, node->transform, &point);
+    if (flat && !whole && !flat->smooth) {
+        piece_point(flat, hit, &point);
+    } else {
+        hit_point(scene, node, instance, ray, &hit->local, &point);
+        out->object_p = point.p;
+        if (node->transform) {
+            accel_map_out(accel, node->transform, &point);
+        }
+        if (flat) { // the same, however much is asked for
+            point.p = hit->p;
+            point.geometric = flat->normal;
+            point.shading = flat->smooth ? point.shading : flat->normal;
+            point.error = flat->error;
+        }
     }
+    out->ends = surface_ends(hit, point.geometric);
     if (instance && instance->transform) {
-        map_out(accel, instance->transform, &point);
+        accel_map_out(accel, instance->transform, &point);
     }
     out->p = point.p;
     out->geometric = point.geometric;
-    out->shading = dot(point.shading, point.geometric) < 0 ? neg(point.shading) : point.shading;
-    out->tangent = point.tangent;
-    out->bitangent = point.bitangent;
-    out->uv = point.uv;
-    out->color = point.color;
+    out->bent = shading_is_bent(&point);
+    out->shading = !out->bent                                ? point.geometric
+                   : dot(point.shading, point.geometric) < 0 ? neg(point.shading)
+                                                             : point.shading;
     out->error = point.error;
+    if (whole) {
+        out->tangent = point.tangent;
+        out->bitangent = point.bitangent;
+        out->uv = point.uv;
+        out->color = point.color;
+    }
+    out->whole = whole;
     out->shape = hit->shape;
     out->instance = hit->instance;
     out->primitive = hit->local.primitive;
-    out->material = node->material != NONE_ID || !instance ? node->material : instance->material;
-    if (out->material == NONE_ID && node->flags & NODE_LIGHT_ONLY) {
-        out->material = MATERIAL_BLACK;
-    }
+    surface_of_node(node, instance, out);
     out->front = dot(ray->direction, point.geometric) < 0;
+}
+
+void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out)
+{
+    fill_surface(accel, ray, hit, true, out);
+}
+
+void accel_surface_plain(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out)
+{
+    fill_surface(accel, ray, hit, false, out);
 }
 
 static Vec3 spawn_origin(const Surface *surface, Vec3 direction)
@@ -272,20 +332,35 @@ static Vec3 spawn_origin(const Surface *surface, Vec3 direction)
                       dot(direction, surface->geometric) < 0 ? -offset : offset);
 }
 
-Ray surface_spawn(const Surface *surface, Vec3 direction)
+// A ray that leaves the surface to the side of `direction`.
+static Ray spawn(const Surface *surface, Vec3 origin, Vec3 direction, double tmax)
 {
-    return (Ray){spawn_origin(surface, direction), direction, 0, INFINITY};
+    Ray ray = {.origin = origin, .direction = direction, .tmax = tmax, .ends = surface->ends};
+    if (dot(direction, surface->geometric) < 0) {
+        for (int i = 0; i < 3; ++i) {
+            ray.ends.normal[i] = -ray.ends.normal[i];
+        }
+    }
+    return ray;
 }
 
-Ray surface_spawn_to(const Surface *surface, Vec3 target, double target_error, double *distance)
+Ray surface_spawn(const Surface *surface, Vec3 direction)
 {
-    Vec3 origin = spawn_origin(surface, sub(target, surface->p));
-    Vec3 way = sub(target, origin);
-    *distance = length(sub(target, surface->p));
-    double size = length(way);
-    double margin = SPAWN_FACTOR * target_error + 1e-9 * size;
-    return (Ray){origin, size > 0 ? scale(way, 1 / size) : surface->geometric, 0,
-                 larger(0, size - margin)};
+    return spawn(surface, spawn_origin(surface, direction), direction, INFINITY);
+}
+
+Ray surface_spawn_to(const Surface *surface, Vec3 target, double distance, double target_error,
+                     double facing)
+{
+    const Vec3 origin = spawn_origin(surface, sub(target, surface->p)), way = sub(target, origin);
+    // But for the offset, the length is known.
+    const bool near = distance < 0x1p26 * SPAWN_FACTOR * surface->error;
+    const double size = near ? length(way) : distance;
+    const Vec3 direction = size > 0 ? scale(way, 1 / size) : surface->geometric;
+    const double margin = SPAWN_FACTOR * (surface->error + target_error) + 1e-9 * size;
+    Ray ray = spawn(surface, origin, renormalize(direction), larger(0, size - margin));
+    ray.ends.facing = (float)facing;
+    return ray;
 }
 
 AccelIssues accel_issues(const Accel *accel)

@@ -61,11 +61,14 @@ uint32_t light_of_surface(const World *world, const Surface *surface)
         return NONE_ID;
     }
     bool emits = world_material(world, surface->material)->lobes & LOBE_EMIT;
-    if (!emits) {
-        const SceneNode *node = scene_node(world->scene, CATEGORY_SHAPE, surface->shape);
-        emits = node->flags & NODE_LIGHT_ONLY;
-    }
-    return emits ? find_shape(set, surface->shape, surface->instance) : NONE_ID;
+    return emits || surface->lamp ? find_shape(set, surface->shape, surface->instance) : NONE_ID;
+}
+
+Ray light_sample_ray(const Surface *surface, const LightSample *sample)
+{
+    return isfinite(sample->distance) ? surface_spawn_to(surface, sample->point, sample->distance,
+                                                         sample->error, sample->facing)
+                                      : surface_spawn(surface, sample->direction);
 }
 
 // --- Building -----------------------------------------------------------------------------------

@@ -40,6 +40,7 @@ typedef struct Light {
     double intensity;
     LightCone cone;
     bool delta; // no ray finds it, though its class is one of infinite lights
+    bool whole; // emitted asks of a surface more than accel_surface_plain gives
 } Light;
 
 // The point that is to be lit.
@@ -54,6 +55,7 @@ typedef struct LightSample {
     double distance; // INFINITY for lights at infinity
     Vec3 point;      // on the light, where distance is finite
     double error;    // bound on that point's distance from the true surface
+    double facing;   // where that surface is flat: cosine between its normal and the way; else 0
     Rgb value;       // delta: irradiance on a surface facing the light, W/m²; else the radiance
     float pdf;       // by solid angle, of the direction given this light; 1 for delta
     bool delta;      // no ray hits this light by chance: it must be sampled
@@ -103,6 +105,8 @@ const uint32_t *light_set_infinite(const LightSet *set, uint32_t *count);
 uint32_t light_choose(const LightSet *set, const LightReceiver *at, double u, float *chance);
 // The chance with which light_choose takes `light`.
 float light_chance(const LightSet *set, const LightReceiver *at, uint32_t light);
+// The ray from a surface to the light's point, or into infinity.
+Ray light_sample_ray(const Surface *surface, const LightSample *sample);
 // The index of the light that a hit surface is, or NONE_ID.
 uint32_t light_of_surface(const struct World *world, const Surface *surface);
 

@@ -39,7 +39,7 @@ static bool shape_holds(const Scene *scene, const SceneNode *node, Vec3 p)
         return false;
     }
     // No axis and no diagonal, along which edges would lie.
-    Ray ray = {local, normalize(vec3(0.29, 0.83, 0.47)), 0, INFINITY};
+    Ray ray = ray_make(local, normalize(vec3(0.29, 0.83, 0.47)), 0, INFINITY);
     int crossings = 0;
     for (ShapeHit hit; crossings < MOST_CROSSINGS && class->intersect(params, &ray, &hit);) {
         ++crossings;

@@ -2,25 +2,33 @@
 
 #include "render/world.h"
 
+#include <string.h>
+
 // How far above the surface a bent shading normal sees the viewer, as a cosine.
 static const double GRAZING = 1e-3;
+
+// The nearest normal that sees the viewer on the side where the surface does.
+static Vec3 bend_to_viewer(Vec3 normal, Vec3 geometric, Vec3 wo, double side)
+{
+    const double target = copysign(GRAZING, side);
+    const Vec3 bent = add_scaled(normal, wo, target - dot(wo, normal));
+    const double l = length(bent);
+    return l > 0 && dot(bent, geometric) > 0 ? scale(bent, 1 / l) : geometric;
+}
 
 static void frame_in(const ShadingPoint *point, Vec3 normal, Vec3 tangent, Vec3 wo,
                      ShadingPoint *out)
 {
-    Vec3 ng = point->surface->geometric;
-    double side = dot(wo, ng), seen = dot(wo, normal);
-    if (side * seen <= 0 && side != 0) {
-        // The nearest normal that sees the viewer on the side where the surface does.
-        double target = copysign(GRAZING, side);
-        Vec3 bent = add_scaled(normal, wo, target - seen);
-        double l = length(bent);
-        normal = l > 0 && dot(bent, ng) > 0 ? scale(bent, 1 / l) : ng;
+    const Vec3 ng = point->surface->geometric;
+    const double side = dot(wo, ng);
+    if (side * dot(wo, normal) <= 0 && side != 0) {
+        normal = bend_to_viewer(normal, ng, wo, side);
     }
     out->frame = frame_from_tangent(normal, tangent);
     out->wo = to_local(&out->frame, wo);
     out->geometric = to_local(&out->frame, ng);
     out->wo_side = side;
+    out->bent = true;
 }
 
 void shading_point(const World *world, const Surface *surface, Vec3 direction, ShadingPoint *out)
@@ -29,7 +37,17 @@ void shading_point(const World *world, const Surface *surface, Vec3 direction, S
     out->surface = surface;
     out->outside = 0;
     out->layer = LAYER_NONE;
-    frame_in(out, surface->shading, surface->tangent, neg(direction), out);
+    if (surface->bent) {
+        const Vec3 tangent = surface->whole ? surface->tangent : vec3(0, 0, 0);
+        frame_in(out, surface->shading, tangent, neg(direction), out);
+        return;
+    }
+    out->frame = surface->whole ? frame_from_tangent(surface->geometric, surface->tangent)
+                                : frame_from_normal(surface->geometric);
+    out->wo = to_local(&out->frame, neg(direction));
+    out->geometric = vec3(0, 0, 1);
+    out->wo_side = out->wo.z;
+    out->bent = false;
 }
 
 void shading_point_bend(const ShadingPoint *point, Vec3 normal, Vec3 tangent, ShadingPoint *out)
@@ -42,6 +60,49 @@ void shading_point_bend(const ShadingPoint *point, Vec3 normal, Vec3 tangent, Sh
     frame_in(point, normal, tangent, wo, out);
 }
 
+// Whether one of the fields is a texture or tells directions on the surface apart, or a material
+// that does.
+static bool param_needs_whole(const World *world, const Param *param, const void *value)
+{
+    switch (param->type) {
+    case PARAM_NUMBER_TEX:
+        return ((const NumberTex *)value)->texture != NONE_ID;
+    case PARAM_COLOR_TEX:
+        return ((const ColorTex *)value)->texture != NONE_ID;
+    case PARAM_PAIR_TEX: {
+        const PairTex *pair = value;
+        return pair->texture != NONE_ID || pair->value.x != pair->value.y;
+    }
+    case PARAM_EMISSION:
+        return ((const Emission *)value)->texture != NONE_ID;
+    case PARAM_NODE: {
+        uint32_t id;
+        memcpy(&id, value, sizeof id);
+        return id != NONE_ID &&
+               (param->category == CATEGORY_TEXTURE ||
+                (param->category == CATEGORY_MATERIAL && material_needs_whole(world, id)));
+    }
+    default:
+        return false;
+    }
+}
+
+bool material_needs_whole(const World *world, uint32_t id)
+{
+    const WorldMaterial *m = world_material(world, id);
+    const NodeType *type = &m->class->node;
+    if (m->class->whole) {
+        return true;
+    }
+    for (size_t i = 0; i < type->param_count; ++i) {
+        const Param *param = &type->params[i];
+        if (param_needs_whole(world, param, (const char *)m->params + param->offset)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 uint32_t material_lobes(const World *world, uint32_t id)
 {
     const WorldMaterial *m = world_material(world, id);
@@ -51,6 +112,9 @@ uint32_t material_lobes(const World *world, uint32_t id)
 // Do the shading and the geometric normal agree whether wi is on wo's side?
 static bool sides_agree(const ShadingPoint *point, Vec3 wi)
 {
+    if (!point->bent) {
+        return true;
+    }
     bool shading = wi.z * point->wo.z > 0;
     bool geometric = dot(wi, point->geometric) * point->wo_side > 0;
     return shading == geometric;

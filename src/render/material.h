@@ -46,6 +46,7 @@ typedef struct ShadingPoint {
     Vec3 geometric; // the geometric normal, in the frame
     Vec3 wo;        // to the viewer, in the frame
     double wo_side; // wo · geometric: > 0 from the front
+    bool bent;      // the frame's n isn't the geometric normal
     double outside; // index of refraction on the front side, as the integrator's MediumStack knows
                     // it; 0: what the material says
     MaterialLayer layer;
@@ -72,6 +73,7 @@ typedef struct LocalTerms {
 
 typedef struct MaterialClass {
     NodeType node; // first: a MaterialClass is a NodeType
+    bool whole; // asks of the surface more than accel_surface_plain gives, whatever its parameters
     // The lobes of a material with these parameters. Materials inside are asked by material_lobes.
     uint32_t (*lobes)(const struct World *world, const void *params);
     // Smooth lobes only; no side test is needed here, material_eval has made it.
@@ -104,6 +106,7 @@ typedef struct WorldMaterial {
     const MaterialClass *class;
     const void *params;
     uint32_t lobes;
+    bool whole;           // needs whole surfaces: textures, directions along them
     const Medium *medium; // on the back side; or NULL
 } WorldMaterial;
 
@@ -121,6 +124,8 @@ void shading_point_bend(const ShadingPoint *point, Vec3 normal, Vec3 tangent, Sh
 // Light leaks: where a direction's side of the surface by the shading normal and by the geometric
 // normal differ, the material neither reflects nor transmits (Veach 1997, 5.3).
 uint32_t material_lobes(const struct World *world, uint32_t id);
+// Whether the material asks of surfaces what accel_surface_plain doesn't give.
+bool material_needs_whole(const struct World *world, uint32_t id);
 BsdfEval material_eval(const ShadingPoint *point, uint32_t id, Vec3 wi);
 bool material_sample(const ShadingPoint *point, uint32_t id, float lobe, float u, float v,
                      BsdfSample *out);

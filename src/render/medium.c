@@ -144,7 +144,7 @@ MediumStack medium_around(const World *world, Vec3 point)
 {
     MediumStack inside = {0}, entered = {0};
     // No axis and no diagonal, along which edges would lie.
-    Ray ray = {point, normalize(vec3(0.29, 0.83, 0.47)), 0, INFINITY};
+    Ray ray = ray_make(point, normalize(vec3(0.29, 0.83, 0.47)), 0, INFINITY);
     for (int i = 0; i < MAX_PASSES; ++i) {
         Hit hit;
         if (!accel_intersect(world->accel, &ray, &hit)) {

@@ -90,7 +90,7 @@ static bool leaf_ray(const Meter *m, const Sight *sight, Sampler *sampler, Ray *
     sampler_2d(sampler, &u, &v);
     sampler_2d(sampler, &lens_u, &lens_v);
     if (sight->kind == SIGHT_RAY) {
-        *ray = (Ray){sight->origin, sight->direction, 0, INFINITY};
+        *ray = ray_make(sight->origin, sight->direction, 0, INFINITY);
         return true;
     }
     // A place in the region is in a pixel; what is left of it chooses the place in its filter.

@@ -1,5 +1,6 @@
 #include "render/sampler.h"
 
+#include "base/clones.h"
 #include "base/hash.h"
 #include "render/sobol_tables.h"
 
@@ -38,58 +39,86 @@ void sampler_start(Sampler *sampler, uint32_t seed, uint32_t pixel_x, uint32_t p
     sampler->seed = sampler_pixel_seed(seed, pixel_x, pixel_y);
     sampler->reversed_index = reverse_bits(sample);
     sampler->dimension = 0;
-    sampler->set = 0;
+    sampler->pair = 0;
 }
 
-// The same for four numbers at once, which compilers don't find by themselves.
+// The same for eight numbers at once, which compilers don't find by themselves.
 typedef uint32_t Four __attribute__((vector_size(16)));
-typedef int32_t FourInts __attribute__((vector_size(16)));
-typedef float FourFloats __attribute__((vector_size(16)));
+typedef uint8_t Bytes __attribute__((vector_size(32)));
+typedef uint32_t Eight __attribute__((vector_size(32)));
+typedef int32_t EightInts __attribute__((vector_size(32)));
+typedef float EightFloats __attribute__((vector_size(32)));
+#define INLINE static inline __attribute__((always_inline))
 
-static inline Four four_hash(Four x)
+INLINE void eight_hash(Eight *out)
 {
+    Eight x = *out;
     x ^= x >> 16;
     x *= 0x7feb352du;
     x ^= x >> 15;
     x *= 0x846ca68bu;
-    return x ^ (x >> 16);
+    *out = x ^ (x >> 16);
 }
 
-static inline Four four_laine_karras(Four x, Four seed)
+INLINE void eight_laine_karras(Eight *out, const Eight *seeds)
 {
+    Eight x = *out;
+    const Eight seed = *seeds;
     x ^= x * 0x3d20adeau;
     x += seed;
     x *= (seed >> 16) | 1u;
     x ^= x * 0x05526c56u;
-    x ^= x * 0x53a22864u;
+    *out = x ^ x * 0x53a22864u;
+}
+
+INLINE void eight_reverse_bits(Eight *out)
+{
+    Eight x = *out;
+    const Bytes bytes = (Bytes)x;
+    x = (Eight)__builtin_shufflevector(bytes, bytes, 3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14,
+                                       13, 12, 19, 18, 17, 16, 23, 22, 21, 20, 27, 26, 25, 24, 31,
+                                       30, 29, 28);
+    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+    *out = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+}
+
+// The four dimensions of Sobol's sequence for a reversed index, reversed.
+INLINE Four sobol(uint32_t index)
+{
+    Four x = {0};
+    for (int k = 0; k < 8; ++k) {
+        const uint32_t nibble = k ? index >> (4 * k - 4) : index << 4; // times the size of a row
+        Four row;
+        memcpy(&row, (const char *)sobol_nibbles[k] + (nibble & 0xf0), sizeof row);
+        x ^= row;
+    }
     return x;
 }
 
-static inline Four four_reverse_bits(Four x)
+VECTOR_CLONES static void fill_pair(Sampler *sampler, uint32_t pair)
 {
-    x = (x >> 16) | (x << 16);
-    x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
-    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
-    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
-    return ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+    const uint32_t a = hash_combine(sampler->seed, 2 * pair);
+    const uint32_t b = hash_combine(sampler->seed, 2 * pair + 1);
+    const Four first = sobol(laine_karras(sampler->reversed_index, a));
+    const Four second = sobol(laine_karras(sampler->reversed_index, b));
+    Eight x = __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7);
+    const Eight seed = {a, a, a, a, b, b, b, b};
+    const Eight dimension = {0x9e3779b9u, 2 * 0x9e3779b9u, 3 * 0x9e3779b9u, 4 * 0x9e3779b9u,
+                             0x9e3779b9u, 2 * 0x9e3779b9u, 3 * 0x9e3779b9u, 4 * 0x9e3779b9u};
+    Eight scramble = seed + dimension;
+    eight_hash(&scramble);
+    eight_laine_karras(&x, &scramble);
+    eight_reverse_bits(&x);
+    // hash_to_float; 24 bits are positive in int, too, from which processors convert at once.
+    const EightFloats values = __builtin_convertvector((EightInts)(x >> 8), EightFloats) * 0x1p-24f;
+    memcpy(sampler->values, &values, sizeof values);
+    sampler->pair = pair + 1;
 }
 
-void sampler_fill(Sampler *sampler, uint32_t set)
+void sampler_fill(Sampler *sampler, uint32_t pair)
 {
-    const uint32_t seed = hash_combine(sampler->seed, set);
-    const uint32_t index = laine_karras(sampler->reversed_index, seed);
-    Four x = {0, 0, 0, 0};
-    for (int k = 0; k < 8; ++k) {
-        Four row;
-        memcpy(&row, sobol_nibbles[k][(index >> (4 * k)) & 15], sizeof row);
-        x ^= row;
-    }
-    const Four dimension = {0x9e3779b9u, 2 * 0x9e3779b9u, 3 * 0x9e3779b9u, 4 * 0x9e3779b9u};
-    x = four_reverse_bits(four_laine_karras(x, four_hash(seed + dimension)));
-    // hash_to_float; 24 bits are positive in int, too, from which processors convert at once.
-    const FourFloats values = __builtin_convertvector((FourInts)(x >> 8), FourFloats) * 0x1p-24f;
-    memcpy(sampler->values, &values, sizeof values);
-    sampler->set = set + 1;
+    fill_pair(sampler, pair);
 }
 
 void sampler_seek(Sampler *sampler, uint32_t dimension)

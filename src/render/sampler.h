@@ -18,8 +18,8 @@ typedef struct Sampler {
     uint32_t seed;           // of this pixel
     uint32_t reversed_index; // number of the sample, its bits reversed
     uint32_t dimension;      // next dimension
-    uint32_t set;            // the set of four that `values` holds + 1; 0: none
-    float values[4];
+    uint32_t pair;           // of sets of four that `values` holds + 1; 0: none
+    float values[8];
 } Sampler;
 
 // The seed of a pixel's sequences: the only place where the screen and the picture's seed enter.
@@ -28,8 +28,8 @@ uint32_t sampler_pixel_seed(uint32_t seed, uint32_t pixel_x, uint32_t pixel_y);
 // Begins at dimension 0 of sample number `sample` of a pixel.
 void sampler_start(Sampler *sampler, uint32_t seed, uint32_t pixel_x, uint32_t pixel_y,
                    uint32_t sample);
-// Fills `values` with the set of four dimensions number `set`.
-void sampler_fill(Sampler *sampler, uint32_t set);
+// Fills `values` with the sets of four dimensions number 2 pair and 2 pair + 1.
+void sampler_fill(Sampler *sampler, uint32_t pair);
 // Goes on at the given dimension, so that paths that took different turns agree on the dimensions
 // of later bounces. Rounded up to a whole set.
 void sampler_seek(Sampler *sampler, uint32_t dimension);
@@ -38,10 +38,10 @@ void sampler_seek(Sampler *sampler, uint32_t dimension);
 static inline float sampler_1d(Sampler *sampler)
 {
     const uint32_t dimension = sampler->dimension++;
-    if ((dimension >> 2) + 1 != sampler->set) {
-        sampler_fill(sampler, dimension >> 2);
+    if ((dimension >> 3) + 1 != sampler->pair) {
+        sampler_fill(sampler, dimension >> 3);
     }
-    return sampler->values[dimension & 3];
+    return sampler->values[dimension & 7];
 }
 
 // The same with 53 bits, those beyond the first 24 hashed: for a choice among very many things.

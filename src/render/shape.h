@@ -11,10 +11,27 @@
 #include "scene/scene.h"
 #include "schema/schema.h"
 
+// What the accelerator knows of a ray's ends, so that single precision can be trusted there: see
+// accel_parts.h. All zero: nothing is known.
+typedef struct RayEnds {
+    uint32_t flat;     // number + 1 of the flat piece of surface that the ray leaves; 0: none
+    uint32_t instance; // that it is in
+    float normal[3];   // of the piece in its group's space, unit, on the ray's side
+    float facing; // cosine between the ray and the normal of the surface just beyond tmax, which
+                  // doesn't count; 0: no such surface
+    bool near_edge; // the ray starts so near to the piece's edges that it has to take care
+} RayEnds;
+
 typedef struct Ray {
     Vec3 origin, direction; // direction: unit length in the world; any length in other spaces
     double tmin, tmax;      // in lengths of the direction
+    RayEnds ends;
 } Ray;
+
+static inline Ray ray_make(Vec3 origin, Vec3 direction, double tmin, double tmax)
+{
+    return (Ray){.origin = origin, .direction = direction, .tmin = tmin, .tmax = tmax};
+}
 
 // Where a ray meets a shape, in the shape's own space and parametrisation.
 typedef struct ShapeHit {

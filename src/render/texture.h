@@ -76,18 +76,23 @@ static inline Rgb positive_tex(const TextureSet *set, const ColorTex *value, con
     const Rgb c = color_tex(set, value, surface);
     return rgb(fmaxf(c.r, 0), fmaxf(c.g, 0), fmaxf(c.b, 0));
 }
+// x held to [0, 1]; what isn't a number becomes 0.
+static inline float unit_clamp(float x)
+{
+    return x > 0 ? (x < 1 ? x : 1) : 0;
+}
 // A fraction: a number held to [0, 1].
 static inline float fraction_tex(const TextureSet *set, const NumberTex *value,
                                  const Surface *surface)
 {
-    return fminf(fmaxf(number_tex(set, value, surface), 0), 1);
+    return unit_clamp(number_tex(set, value, surface));
 }
 // A reflectance: the same, held to [0, 1].
 static inline Rgb reflectance_tex(const TextureSet *set, const ColorTex *value,
                                   const Surface *surface)
 {
     Rgb c = color_tex(set, value, surface);
-    return rgb(fminf(fmaxf(c.r, 0), 1), fminf(fmaxf(c.g, 0), 1), fminf(fmaxf(c.b, 0), 1));
+    return rgb(unit_clamp(c.r), unit_clamp(c.g), unit_clamp(c.b));
 }
 
 #endif

@@ -21,10 +21,11 @@ bool world_resolve_materials(World *world)
         materials[i].params = scene_params(scene, node);
         materials[i].medium = NULL;
     }
-    materials[count] = (WorldMaterial){&lambert_material, &lambert_default, 0, NULL};
-    materials[count + 1] = (WorldMaterial){&lambert_material, &lambert_black, 0, NULL};
+    materials[count] = (WorldMaterial){.class = &lambert_material, .params = &lambert_default};
+    materials[count + 1] = (WorldMaterial){.class = &lambert_material, .params = &lambert_black};
     for (uint32_t i = 0; i <= count; ++i) {
         materials[i].lobes = material_lobes(world, i);
+        materials[i].whole = material_needs_whole(world, i);
         world->all_lobes |= materials[i].lobes;
         Medium medium;
         if (material_medium(world, i, &medium)) {
@@ -34,6 +35,7 @@ bool world_resolve_materials(World *world)
             }
             *kept = medium;
             materials[i].medium = kept;
+            world->media = true;
         }
     }
     return true;

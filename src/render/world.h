@@ -22,6 +22,7 @@ typedef struct World {
     uint32_t material_count;
     uint32_t all_lobes;       // union over the materials in the scene
     bool shape_lights;        // some light is a shape
+    bool media;               // some material has a medium
     MediumStack camera_media; // the transparent bodies that the camera stands in
     Arena arena;              // of materials and lights
     // from `render { … }`

@@ -143,10 +143,7 @@ static double sample_light(const Seen *seen, Vec3 normal, const Light *light, Ve
     if (!(cosine > 0) || !(sample.pdf > 0)) {
         return 0;
     }
-    double distance;
-    Ray ray = isfinite(sample.distance)
-                  ? surface_spawn_to(surface, sample.point, sample.error, &distance)
-                  : surface_spawn(surface, sample.direction);
+    Ray ray = light_sample_ray(surface, &sample);
     Rgb passed = rgb_mul(sample.value, world_visibility(seen->world, &ray));
     double estimate = (double)luminance(passed) * cosine / (double)sample.pdf;
     return isfinite(estimate) ? estimate : 0;

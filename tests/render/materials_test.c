@@ -49,7 +49,7 @@ static double single_ray(const void *context, const float n[4], Ray *ray)
 static Ray ray_from(Vec3 origin, double theta_degrees)
 {
     double t = theta_degrees * PI / 180;
-    return (Ray){origin, vec3(sin(t), -cos(t), 0), 0, INFINITY};
+    return ray_make(origin, vec3(sin(t), -cos(t), 0), 0, INFINITY);
 }
 
 // A floor that emits 1 upwards, below everything.
@@ -267,7 +267,7 @@ static void strategies_agree(void)
     PUT(&lab.maker, "sphere", {"radius", {1.2}}, {"material", {hidden}});
     PUT(&lab.maker, "sphere", {"center", {0.3, -0.2, 0}}, {"radius", {0.5}}, {"material", {white}});
     PUT(&lab.maker, "sphere", {"center", {0, 1.2, 0.3}}, {"radius", {0.7}}, {"material", {lit}});
-    Ray ray = {vec3(1, 1, 5), normalize(vec3(-0.2, -0.21, -1)), 0, INFINITY};
+    Ray ray = ray_make(vec3(1, 1, 5), normalize(vec3(-0.2, -0.21, -1)), 0, INFINITY);
     Running means[3];
     static const int SAMPLING[] = {SAMPLING_MIS, SAMPLING_LIGHT, SAMPLING_BSDF};
     for (int i = 0; i < 3; ++i) {
@@ -307,7 +307,7 @@ static double over_the_floor(const void *context, const float n[4], Ray *ray)
 {
     (void)context;
     double phi = 2 * PI * (double)n[0], z = (double)n[1], s = sqrt(1 - z * z);
-    *ray = (Ray){vec3(0, 0, 0), vec3(-s * cos(phi), -fmax(z, 1e-3), -s * sin(phi)), 0, INFINITY};
+    *ray = ray_make(vec3(0, 0, 0), vec3(-s * cos(phi), -fmax(z, 1e-3), -s * sin(phi)), 0, INFINITY);
     ray->origin = scale(ray->direction, -2);
     return 1;
 }

@@ -253,7 +253,7 @@ static int point_light(void)
     PUT(&lab.maker, "point_light", {"position", {0, 1.5, 0}}, {"intensity", {4}});
     build(&lab, 1);
     for (double x = 0; x <= 4; x += 0.5) {
-        Ray ray = {vec3(x, 3, 1), normalize(vec3(0, -3, -1)), 0, INFINITY};
+        Ray ray = ray_make(vec3(x, 3, 1), normalize(vec3(0, -3, -1)), 0, INFINITY);
         Sampler sampler;
         IntegratorStats stats = {0};
         sampler_start(&sampler, 0, 0, 0, 0);
@@ -518,7 +518,7 @@ static int constant_sky(void)
         IntegratorStats stats = {0};
         sampler_start(&sampler, 0, i, 0, 0);
         float u = sampler_1d(&sampler), v = sampler_1d(&sampler);
-        Ray ray = {vec3(1, 2, 3), sphere_direction(u, v), 0, INFINITY};
+        Ray ray = ray_make(vec3(1, 2, 3), sphere_direction(u, v), 0, INFINITY);
         Rgb found = path_integrator.radiance(lab.world, &ray, &sampler, NULL, &stats);
         failures += found.r != 0.3f || found.g != 0.7f || found.b != 11.0f;
     }

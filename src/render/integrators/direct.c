@@ -197,9 +197,7 @@ static void add_light(Tree *tree, const Branch *branch, const ShadingPoint *poin
     if (rgb_is_black(bsdf.value)) {
         return;
     }
-    double distance;
-    Ray shadow = isfinite(s.distance) ? surface_spawn_to(surface, s.point, s.error, &distance)
-                                      : surface_spawn(surface, s.direction);
+    Ray shadow = light_sample_ray(surface, &s);
     ++tree->stats->shadow_rays;
     Rgb visible = surface_light_passed(point, &branch->media, wi, &shadow);
     float pdf = s.pdf * chance;

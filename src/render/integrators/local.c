@@ -92,10 +92,7 @@ static bool local_light(const World *world, const Light *light, Vec3 p, LocalLig
 
 static Rgb light_passed(const ShadingPoint *point, const LightSample *to, IntegratorStats *stats)
 {
-    double distance;
-    Ray shadow = isfinite(to->distance)
-                     ? surface_spawn_to(point->surface, to->point, to->error, &distance)
-                     : surface_spawn(point->surface, to->direction);
+    Ray shadow = light_sample_ray(point->surface, to);
     ++stats->shadow_rays;
     return world_visibility(point->world, &shadow);
 }

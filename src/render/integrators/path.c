@@ -17,15 +17,15 @@ typedef struct Path {
     const World *world;
     Sampler *sampler;
     IntegratorStats *stats;
-    Rgb throughput;    // of the path so far
-    Rgb radiance;      // found so far
-    int64_t depth;     // scatterings so far
-    float squeeze;     // radiance here over radiance at the camera, by indices of refraction alone
-    MediumStack media; // the transparent bodies that the present ray is in
+    Rgb throughput; // of the path so far
+    Rgb radiance;   // found so far
+    int64_t depth;  // scatterings so far
+    float squeeze;  // radiance here over radiance at the camera, by indices of refraction alone
     // How the present ray's direction was chosen, for the weight of light that it hits.
-    LightReceiver receiver; // where it was chosen
     float pdf;              // by solid angle
     bool certain;           // by the camera or a delta lobe: no light sampling competes
+    LightReceiver receiver; // where it was chosen
+    MediumStack media;      // the transparent bodies that the present ray is in
 } Path;
 
 // The numbers of one surface, drawn together so that their dimensions are fixed.
@@ -98,7 +98,7 @@ static void add_escaped(Path *path, Vec3 direction)
     }
 }
 
-static void add_emitted(Path *path, const Surface *surface, Vec3 direction)
+static void add_emitted(Path *path, const Ray *ray, const Hit *hit, Surface *surface)
 {
     const World *world = path->world;
     uint32_t index = light_of_surface(world, surface);
@@ -106,21 +106,35 @@ static void add_emitted(Path *path, const Surface *surface, Vec3 direction)
         return;
     }
     const Light *light = light_set_get(world->lights, index);
+    if (light->whole && !surface->whole) {
+        accel_surface(world->accel, ray, hit, surface);
+    }
     Rgb radiance = light->class->emitted(world, light, surface);
     if (!rgb_is_black(radiance)) {
-        float pdf = hit_light_pdf(path, index, direction, surface);
+        float pdf = hit_light_pdf(path, index, ray->direction, surface);
         add_radiance(path, radiance, hit_weight(path, pdf));
     }
 }
 
+// The part of a light's radiance that arrives along the shadow ray in direction wi of the frame.
+static Rgb light_passed(Path *path, const ShadingPoint *point, Vec3 wi, const Ray *shadow)
+{
+    const World *world = path->world;
+    ++path->stats->shadow_rays;
+    if (world->media) {
+        return surface_light_passed(point, &path->media, wi, shadow);
+    }
+    return world_visibility(world, shadow);
+}
+
 // Light sampling: one direction to one light.
-static void add_direct(Path *path, const ShadingPoint *point, const SurfaceNumbers *n)
+static void add_direct(Path *path, const ShadingPoint *point, const LightReceiver *receiver,
+                       const SurfaceNumbers *n)
 {
     const World *world = path->world;
     const Surface *surface = point->surface;
-    const LightReceiver receiver = surface_receiver(point);
     float chance;
-    uint32_t index = light_choose(world->lights, &receiver, n->light, &chance);
+    uint32_t index = light_choose(world->lights, receiver, n->light, &chance);
     if (index == NONE_ID) {
         return;
     }
@@ -131,16 +145,13 @@ static void add_direct(Path *path, const ShadingPoint *point, const SurfaceNumbe
         rgb_is_black(s.value) || (world->sampling == SAMPLING_BSDF && !s.delta)) {
         return;
     }
-    Vec3 wi = to_local(&point->frame, s.direction);
-    BsdfEval bsdf = material_eval(point, surface->material, wi);
+    const Vec3 wi = to_local(&point->frame, s.direction);
+    const BsdfEval bsdf = material_eval(point, surface->material, wi);
     if (rgb_is_black(bsdf.value)) {
         return;
     }
-    double distance;
-    Ray shadow = isfinite(s.distance) ? surface_spawn_to(surface, s.point, s.error, &distance)
-                                      : surface_spawn(surface, s.direction);
-    ++path->stats->shadow_rays;
-    Rgb visible = surface_light_passed(point, &path->media, wi, &shadow);
+    const Ray shadow = light_sample_ray(surface, &s);
+    const Rgb visible = light_passed(path, point, wi, &shadow);
     if (rgb_is_black(visible)) {
         return;
     }
@@ -179,7 +190,8 @@ static bool last_ray_needed(const World *world)
 }
 
 // Chooses the next ray; false where the path ends.
-static bool scatter(Path *path, const ShadingPoint *point, const SurfaceNumbers *n, Ray *ray)
+static bool scatter(Path *path, const ShadingPoint *point, const LightReceiver *receiver,
+                    const SurfaceNumbers *n, Ray *ray)
 {
     const World *world = path->world;
     BsdfSample s;
@@ -193,7 +205,7 @@ static bool scatter(Path *path, const ShadingPoint *point, const SurfaceNumbers 
     Vec3 direction = ray->direction;
     if (!(s.lobes & LOBE_PASS)) {
         path->squeeze *= s.eta * s.eta;
-        if (s.wi.z * point->wo.z < 0) {
+        if (world->media && s.wi.z * point->wo.z < 0) {
             medium_cross(world, &path->media, point->surface);
         }
         ++path->depth;
@@ -201,13 +213,33 @@ static bool scatter(Path *path, const ShadingPoint *point, const SurfaceNumbers 
             !roulette(path, n->roulette)) {
             return false;
         }
-        path->receiver = surface_receiver(point);
+        path->receiver = *receiver;
         path->pdf = s.pdf;
         path->certain = s.lobes & LOBE_DELTA;
-        direction = normalize(from_local(&point->frame, s.wi));
+        direction = renormalize(from_local(&point->frame, s.wi));
     }
     *ray = surface_spawn(point->surface, direction);
     return true;
+}
+
+// Takes the ray's way to a surface through what it is in. True where the surface is covered by it:
+// the ray then goes on as if nothing were there. *outside: see ShadingPoint.
+static bool pass_media(Path *path, const Surface *surface, double distance, double *outside)
+{
+    const World *world = path->world;
+    *outside = 0;
+    if (!world->media) {
+        return false;
+    }
+    path->throughput =
+        rgb_mul(path->throughput, surface_transmittance(world, &path->media, distance, surface));
+    const MediumBoundary boundary = medium_boundary(world, &path->media, surface);
+    if (boundary.hidden) {
+        medium_cross(world, &path->media, surface);
+        return true;
+    }
+    *outside = boundary.medium ? boundary.outside : 0;
+    return false;
 }
 
 static void trace(Path *path, Ray ray, AovSample *aov)
@@ -218,40 +250,46 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         Hit hit;
         ++path->stats->rays;
         if (!accel_intersect(world->accel, &ray, &hit)) {
-            path->throughput = rgb_mul(
-                path->throughput, medium_transmittance(medium_current(&path->media), INFINITY));
+            if (world->media) {
+                path->throughput = rgb_mul(
+                    path->throughput, medium_transmittance(medium_current(&path->media), INFINITY));
+            }
             add_escaped(path, ray.direction);
             return;
         }
         Surface surface;
-        accel_surface(world->accel, &ray, &hit, &surface);
-        path->throughput =
-            rgb_mul(path->throughput, surface_transmittance(world, &path->media, hit.t, &surface));
-        MediumBoundary boundary = medium_boundary(world, &path->media, &surface);
-        if (boundary.hidden) {
-            medium_cross(world, &path->media, &surface);
+        accel_surface_plain(world->accel, &ray, &hit, &surface);
+        double outside;
+        if (pass_media(path, &surface, hit.t, &outside)) {
             ray = surface_spawn(&surface, ray.direction);
             continue;
         }
-        add_emitted(path, &surface, ray.direction);
+        const WorldMaterial *material = world_material(world, surface.material);
+        if (material->whole) {
+            accel_surface(world->accel, &ray, &hit, &surface);
+        }
+        if (material->lobes & LOBE_EMIT || surface.lamp) {
+            add_emitted(path, &ray, &hit, &surface);
+        }
         if (path->depth >= world->bounces && !(aov && i == 0)) {
             return;
         }
         ShadingPoint point;
         shading_point(world, &surface, ray.direction, &point);
-        point.outside = boundary.medium ? boundary.outside : 0;
+        point.outside = outside;
         if (aov && i == 0) {
             aov_fill(&hit, &point, aov);
             if (path->depth >= world->bounces) {
                 return;
             }
         }
-        SurfaceNumbers n =
+        const SurfaceNumbers n =
             draw_numbers(path->sampler, dimension + (uint32_t)i * DIMENSIONS_PER_SURFACE);
-        if (world_material(world, surface.material)->lobes & LOBE_SMOOTH) {
-            add_direct(path, &point, &n);
+        const LightReceiver receiver = surface_receiver(&point);
+        if (material->lobes & LOBE_SMOOTH) {
+            add_direct(path, &point, &receiver, &n);
         }
-        if (!scatter(path, &point, &n, &ray)) {
+        if (!scatter(path, &point, &receiver, &n, &ray)) {
             return;
         }
     }
@@ -260,13 +298,18 @@ static void trace(Path *path, Ray ray, AovSample *aov)
 static Rgb radiance(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
                     IntegratorStats *stats)
 {
-    Path path = {.world = world,
-                 .sampler = sampler,
-                 .stats = stats,
-                 .throughput = rgb_gray(1),
-                 .squeeze = 1,
-                 .media = world->camera_media,
-                 .certain = true};
+    Path path;
+    path.world = world;
+    path.sampler = sampler;
+    path.stats = stats;
+    path.throughput = rgb_gray(1);
+    path.radiance = rgb_gray(0);
+    path.depth = 0;
+    path.squeeze = 1;
+    path.certain = true;
+    if (world->media) {
+        path.media = world->camera_media;
+    }
     trace(&path, *ray, aov);
     Rgb found = path.radiance;
     if (!rgb_is_finite(found) || found.r < 0 || found.g < 0 || found.b < 0) {

@@ -169,6 +169,7 @@ static bool prepare_area_light(const LightPrepare *prepare)
     Rgb mean = data->texture == NONE_ID
                    ? data->radiance
                    : rgb_mul(data->radiance, texture_mean(prepare->world->textures, data->texture));
+    prepare->light->whole = data->texture != NONE_ID;
     set_strength(prepare, data, mean, params->two_sided);
     return true;
 }
@@ -181,6 +182,7 @@ static bool prepare_emissive(const LightPrepare *prepare)
         return false;
     }
     data->material = shape_material(world->scene, prepare->light->shape, prepare->light->instance);
+    prepare->light->whole = material_needs_whole(world, data->material);
     // Only `emissive` itself is known to be dark behind.
     bool one_sided = world_material(world, data->material)->class == &emissive_material;
     set_strength(prepare, data, material_emitted_mean(world, data->material), !one_sided);
@@ -255,6 +257,7 @@ static bool sample(const World *world, const Light *light, Vec3 reference, doubl
     out->distance = r;
     out->point = s.point.p;
     out->error = s.point.error;
+    out->facing = data->class->holding == HOLD_USER ? 0 : fabs(facing);
     out->value = emitted_at(world, light, &s, facing > 0);
     out->pdf = (float)(by_angle ? s.pdf : s.pdf * r2 / fabs(facing));
     out->delta = false;

@@ -168,7 +168,7 @@ static bool triangle_sample_solid_angle(const void *params, const Affine *to_wor
         return false;
     }
     Vec3 a = transform_point(to_world, t->a);
-    Ray ray = {reference, spherical_triangle_direction(&q, u0, u1), 0, INFINITY};
+    Ray ray = ray_make(reference, spherical_triangle_direction(&q, u0, u1), 0, INFINITY);
     ShapeHit hit;
     if (!flat_meet(a, sub(transform_point(to_world, t->b), a),
                    sub(transform_point(to_world, t->c), a), &ray, &hit)) {

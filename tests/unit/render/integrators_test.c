@@ -54,7 +54,7 @@ static const IntegratorClass *integrator(const char *name)
 // The radiance along a ray from `from` towards `to`, with the numbers of sample `number`.
 static Rgb seen(const World *world, const char *name, Vec3 from, Vec3 to, uint32_t number)
 {
-    Ray ray = {from, normalize(sub(to, from)), 0, INFINITY};
+    Ray ray = ray_make(from, normalize(sub(to, from)), 0, INFINITY);
     Sampler sampler;
     IntegratorStats stats = {0};
     sampler_start(&sampler, 1, 2, 3, number);

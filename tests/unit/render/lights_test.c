@@ -258,7 +258,7 @@ static void area_lights_know_their_pdf(void **state)
                 continue;
             }
             // What a ray in that direction meets is the sampled point, or hides it.
-            Ray ray = {here, s.direction, 0, s.distance * (1 + 1e-6)};
+            Ray ray = ray_make(here, s.direction, 0, s.distance * (1 + 1e-6));
             Hit hit;
             if (!accel_intersect(world->accel, &ray, &hit) || hit.shape != light->shape ||
                 hit.t < s.distance * (1 - 1e-6)) {
@@ -291,8 +291,8 @@ static void power_spreads_over_the_area(void **state)
     World *world = build(&maker);
     for (size_t i = 0; i < 2; ++i) {
         const Light *light = light_set_get(world->lights, i);
-        Surface front = {.front = true, .shape = light->shape, .instance = NONE_ID};
-        Surface back = {.front = false, .shape = light->shape, .instance = NONE_ID};
+        Surface front = {.front = true, .lamp = true, .shape = light->shape, .instance = NONE_ID};
+        Surface back = {.front = false, .lamp = true, .shape = light->shape, .instance = NONE_ID};
         assert_int_equal(light_of_surface(world, &front), i);
         double radiance = 100 / (PI * 6) / (double)(i + 1);
         assert_true(NEAR(light->class->emitted(world, light, &front).r, radiance, 1e-6));
@@ -342,7 +342,7 @@ static void instances_bring_their_lights(void **state)
     // Three point lights, three lamps, and the bare sphere of the glowing instance.
     assert_int_equal(light_set_count(world->lights), 7);
     for (uint32_t i = 0; i < 3; ++i) {
-        Ray ray = {vec3(10.0 * i, 1, 8), vec3(0, 0, -1), 0, INFINITY};
+        Ray ray = ray_make(vec3(10.0 * i, 1, 8), vec3(0, 0, -1), 0, INFINITY);
         Hit hit;
         Surface surface;
         assert_true(accel_intersect(world->accel, &ray, &hit));

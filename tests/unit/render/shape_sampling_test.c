@@ -438,8 +438,8 @@ static void sampled_points_are_those_of_rays(void **state)
             const ShapePoint *p = &sample.point;
             assert_true(p->error > 0 && p->error < 1e-12);
             Vec3 from = add_scaled(p->p, p->geometric, 1e-3);
-            Ray ray = {transform_point(&back, from), transform_vector(&back, neg(p->geometric)), 0,
-                       1};
+            Ray ray = ray_make(transform_point(&back, from),
+                               transform_vector(&back, neg(p->geometric)), 0, 1);
             ShapeHit hit;
             ShapePoint q;
             if (!class->intersect(s->params.bytes, &ray, &hit)) {
@@ -630,8 +630,8 @@ static void solid_angle_densities_are_one_over_it(void **state)
             double tolerance = k == 0 ? 1e-7 : 1e-9 + 2e-14 / (double)wanted;
             assert_near(pdf * (double)wanted, 1, tolerance);
             double distance = length(sub(sample.point.p, reference));
-            Ray ray = {transform_point(&back, reference), transform_vector(&back, way), 0,
-                       INFINITY};
+            Ray ray = ray_make(transform_point(&back, reference), transform_vector(&back, way), 0,
+                               INFINITY);
             ShapeHit hit;
             if (class->intersect(s->params.bytes, &ray, &hit)) {
                 assert_near(hit.t / distance, 1, 1e-5);
@@ -925,8 +925,9 @@ static void spheres_project_to_their_outline(void **state)
             double angle = 2 * PI * k / 100;
             for (int side = -1; side <= 1; side += 2) {
                 double x = edge * (1 + side * 1e-9);
-                Ray ray = {vec3(0, 0, 0), normalize(vec3(x * cos(angle), x * sin(angle), -1)), 0,
-                           INFINITY};
+                Ray ray =
+                    ray_make(vec3(0, 0, 0), normalize(vec3(x * cos(angle), x * sin(angle), -1)), 0,
+                             INFINITY);
                 ShapeHit hit;
                 assert_int_equal(class_of(&p)->intersect(p.bytes, &ray, &hit), side < 0);
             }

@@ -138,7 +138,7 @@ static void rays_hit_what_dense_sampling_finds(void **state)
             // The direction's length differs from 1 on purpose.
             Vec3 from = random_in_box(&r, around), to = target_of(s, &r);
             double speed = exp(between(&r, -3, 3));
-            Ray ray = {from, scale(normalize(sub(to, from)), speed), 0, INFINITY};
+            Ray ray = ray_make(from, scale(normalize(sub(to, from)), speed), 0, INFINITY);
             Real expected = dense_hit(s, &ray, 8 / speed, 1000);
             ShapeHit hit;
             bool found = class->intersect(s->params.bytes, &ray, &hit);
@@ -179,7 +179,7 @@ static void points_lie_on_the_surface(void **state)
         int checked = 0;
         for (int i = 0; i < 20000; ++i) {
             Vec3 from = random_in_box(&r, grow(box, 2)), to = target_of(s, &r);
-            Ray ray = {from, normalize(sub(to, from)), 0, INFINITY};
+            Ray ray = ray_make(from, normalize(sub(to, from)), 0, INFINITY);
             ShapeHit hit;
             if (!class->intersect(s->params.bytes, &ray, &hit)) {
                 continue;
@@ -241,7 +241,7 @@ static void uv_follow_the_tangents(void **state)
         int checked = 0;
         for (int i = 0; i < 4000; ++i) {
             Vec3 from = random_in_box(&r, grow(box, 2)), to = target_of(s, &r);
-            Ray ray = {from, normalize(sub(to, from)), 0, INFINITY};
+            Ray ray = ray_make(from, normalize(sub(to, from)), 0, INFINITY);
             ShapeHit hit;
             if (!class->intersect(s->params.bytes, &ray, &hit)) {
                 continue;
@@ -255,8 +255,8 @@ static void uv_follow_the_tangents(void **state)
             double h = 1e-6;
             for (int j = 0; j < 2; ++j) {
                 // Straight down from above a neighbouring point.
-                Ray down = {add(add_scaled(p.p, side[j], h), scale(p.geometric, 1e-4)),
-                            neg(p.geometric), 0, 1};
+                Ray down = ray_make(add(add_scaled(p.p, side[j], h), scale(p.geometric, 1e-4)),
+                                    neg(p.geometric), 0, 1);
                 ShapeHit near;
                 smooth = smooth && class->intersect(s->params.bytes, &down, &near) &&
                          near.primitive == hit.primitive;
@@ -304,7 +304,7 @@ static void crossings_tell_inside_from_outside(void **state)
             if (fabsl(side) < 1e-9L) {
                 continue;
             }
-            Ray ray = {from, random_direction(&r), 0, INFINITY};
+            Ray ray = ray_make(from, random_direction(&r), 0, INFINITY);
             int crossings = 0;
             double last = 0;
             ShapeHit hit;
@@ -357,7 +357,7 @@ static void no_convex_shape_hits_itself(void **state)
             for (int i = 0; i < 2000; ++i) {
                 Vec3 from = add_scaled(box3_center(box), random_direction(&r), 10 * size);
                 Vec3 to = random_in_box(&r, box);
-                Ray ray = {from, normalize(sub(to, from)), 0, INFINITY};
+                Ray ray = ray_make(from, normalize(sub(to, from)), 0, INFINITY);
                 ShapeHit hit;
                 if (!class->intersect(shapes[k].bytes, &ray, &hit)) {
                     continue;
@@ -371,7 +371,7 @@ static void no_convex_shape_hits_itself(void **state)
                         add_scaled(out, p.geometric,
                                    flat * fabs(dot(out, p.geometric)) - dot(out, p.geometric)));
                 }
-                Ray leave = {add_scaled(p.p, p.geometric, 4 * p.error), out, 0, INFINITY};
+                Ray leave = ray_make(add_scaled(p.p, p.geometric, 4 * p.error), out, 0, INFINITY);
                 if (class->intersect(shapes[k].bytes, &leave, &hit)) {
                     fail_msg("%s of size %g at %g hit itself at %g", shapes[k].type->name, size,
                              length(o), hit.t);
@@ -380,10 +380,10 @@ static void no_convex_shape_hits_itself(void **state)
                 if (dot(in, p.geometric) > -1e-3) {
                     continue;
                 }
-                Ray enter = {add_scaled(p.p, p.geometric, -4 * p.error), in, 0, INFINITY};
+                Ray enter = ray_make(add_scaled(p.p, p.geometric, -4 * p.error), in, 0, INFINITY);
                 if (!class->intersect(shapes[k].bytes, &enter, &hit)) {
                     // From an edge or a rim the offset may lead out again.
-                    Ray deep = {add_scaled(p.p, in, 64 * p.error), in, 0, INFINITY};
+                    Ray deep = ray_make(add_scaled(p.p, in, 64 * p.error), in, 0, INFINITY);
                     assert_false(class->intersect(shapes[k].bytes, &deep, &hit) &&
                                  hit.t > 1e-6 * size);
                 }
@@ -408,7 +408,7 @@ static void torus_hits_itself_only_elsewhere(void **state)
         for (int i = 0; i < 4000; ++i) {
             Vec3 from = add_scaled(o, random_direction(&r), 4 * size);
             Vec3 to = random_in_box(&r, torus.type->bounds(NULL, torus.bytes));
-            Ray ray = {from, normalize(sub(to, from)), 0, INFINITY};
+            Ray ray = ray_make(from, normalize(sub(to, from)), 0, INFINITY);
             ShapeHit hit;
             if (!class->intersect(torus.bytes, &ray, &hit)) {
                 continue;
@@ -417,7 +417,7 @@ static void torus_hits_itself_only_elsewhere(void **state)
             class->point(NULL, torus.bytes, &ray, &hit, &p);
             assert_true(fabsl(s.side(&s, real3(p.p))) <= (Real)p.error);
             Vec3 out = random_about(&r, p.geometric);
-            Ray leave = {add_scaled(p.p, p.geometric, 4 * p.error), out, 0, INFINITY};
+            Ray leave = ray_make(add_scaled(p.p, p.geometric, 4 * p.error), out, 0, INFINITY);
             if (class->intersect(torus.bytes, &leave, &hit)) {
                 // Between start and hit the ray must have been outside for real.
                 Real half = s.side(&s, along(&leave, hit.t / 2));
@@ -442,7 +442,7 @@ static void flat_shapes_meet_their_plane(void **state)
     for (int i = 0; i < 40000; ++i) {
         Vec3 from = vec3(between(&r, -3, 3), between(&r, -3, 3), between(&r, -3, 3));
         Vec3 to = add(add_scaled(c, u, between(&r, -1, 1.5)), scale(v, between(&r, -1, 1.5)));
-        Ray ray = {from, normalize(sub(to, from)), 0, INFINITY};
+        Ray ray = ray_make(from, normalize(sub(to, from)), 0, INFINITY);
         Real3 d = real3(ray.direction), f = rsub(real3(ray.origin), real3(c)), rn = real3(n);
         Real3 nn = {(Real)u.y * v.z - (Real)u.z * v.y, (Real)u.z * v.x - (Real)u.x * v.z,
                     (Real)u.x * v.y - (Real)u.y * v.x};
@@ -493,13 +493,13 @@ static void cylinders_can_be_open(void **state)
     (void)state;
     Params open = cylinder_params_of(vec3(0, 0, 0), vec3(0, 1, 0), 0.5, false);
     Params closed = cylinder_params_of(vec3(0, 0, 0), vec3(0, 1, 0), 0.5, true);
-    Ray up = {vec3(0.1, 0.5, 0.1), vec3(0, 1, 0), 0, INFINITY};
+    Ray up = ray_make(vec3(0.1, 0.5, 0.1), vec3(0, 1, 0), 0, INFINITY);
     ShapeHit hit;
     assert_false(class_of(&open)->intersect(open.bytes, &up, &hit));
     assert_true(class_of(&closed)->intersect(closed.bytes, &up, &hit));
     assert_near(hit.t, 0.5, 1e-15);
     assert_false(class_of(&open)->closed(open.bytes));
-    Ray across = {vec3(0, 0.5, 0), vec3(0, 0, 1), 0, INFINITY};
+    Ray across = ray_make(vec3(0, 0.5, 0), vec3(0, 0, 1), 0, INFINITY);
     assert_true(class_of(&open)->intersect(open.bytes, &across, &hit));
     assert_near(hit.t, 0.5, 1e-15);
 }

@@ -1,0 +1,372 @@
+// Rays through the accelerator's groups by the fast way, and the callbacks of both ways; see
+// accel_parts.h.
+#include "render/accel_embree.h"
+
+// --- Rays -------------------------------------------------------------------------------------
+
+static const Box3 unit_cube = {{-1, -1, -1}, {1, 1, 1}};
+
+// A ray in a group's coordinates.
+typedef struct LocalRay {
+    Vec3 origin, direction; // direction of unit length
+    double speed;           // length for t = 1
+    double begin, end;      // lengths from the origin: where the ray begins and ends near the group
+} LocalRay;
+
+// False where the ray never comes near the group.
+static inline bool local_ray(const AccelGroup *group, const Ray *ray, uint32_t instance,
+                             LocalRay *out)
+{
+    out->origin = scale(sub(ray->origin, group->center), group->inverse_scale);
+    out->direction = ray->direction;
+    out->speed = group->inverse_scale;
+    if (instance != NONE_ID) { // else of unit length
+        const double size = length(ray->direction);
+        out->direction = scale(ray->direction, 1 / size);
+        out->speed *= size;
+    }
+    out->begin = ray->tmin * out->speed;
+    out->end = ray->tmax * out->speed;
+    if (max_abs(out->origin) > 2) {
+        const Ray local = ray_make(out->origin, out->direction, 0, 0);
+        return ray_clip(&local, unit_cube, 0x1p-10, &out->begin, &out->end);
+    }
+    return true;
+}
+
+// Single precision is relative to the point where the ray comes near the group.
+static inline Vec3 local_start(const LocalRay *local)
+{
+    return local->begin > 0 ? add_scaled(local->origin, local->direction, local->begin)
+                            : local->origin;
+}
+
+static inline SweepRay sweep_ray(const LocalRay *local)
+{
+    const Vec3 o = local_start(local), d = local->direction;
+    return (SweepRay){{(float)o.x, (float)o.y, (float)o.z},
+                      {(float)d.x, (float)d.y, (float)d.z},
+                      0,
+                      (float)(local->end - local->begin)};
+}
+
+// Whether the point of a surface to which a ray leads may be one of this instance's.
+static bool ends_in_instance(const AccelGroup *group, const Ray *ray)
+{
+    const Vec3 end = add_scaled(ray->origin, ray->direction, ray->tmax);
+    const double margin = 0x1p-10 * group->scale;
+    return max_component(sub(end, group->bounds.max)) < margin &&
+           max_component(sub(group->bounds.min, end)) < margin;
+}
+
+// Fills the query and Embree's ray; see accel_parts.h for where it begins and ends. `any`: for
+// finding out whether anything is hit. False where the careful way has to be taken.
+static bool query_begin(Query *q, const AccelGroup *group, const Ray *ray, const LocalRay *local,
+                        uint32_t instance, bool any, Hit *hit, struct RTCRay *out)
+{
+    Vec3 origin = local_start(local);
+    const Vec3 direction = local->direction;
+    double end = local->end - local->begin;
+    if (accel_leaves_piece(group, ray, instance)) {
+        const Vec3 normal = accel_ends_normal(&ray->ends);
+        if (ray->ends.near_edge || !(dot(direction, normal) >= LIFT_LEAST_COSINE)) {
+            return false;
+        }
+        origin = add_scaled(origin, normal, FLAT_LIFT);
+    }
+    const double facing = (double)ray->ends.facing;
+    if (any && facing > 0) {
+        if (facing < LIFT_LEAST_COSINE || (instance != NONE_ID && ends_in_instance(group, ray))) {
+            return false;
+        }
+        end -= 2 * FLAT_LIFT / facing; // one for the ray's own lift
+    }
+    query_context_init(&q->embree);
+    q->group = group;
+    q->ray = ray;
+    q->tmax = ray->tmax;
+    q->speed = local->speed;
+    q->start = local->begin;
+    q->instance = instance;
+    q->careful = false;
+    q->reported = -1;
+    q->hit = hit;
+    *out = (struct RTCRay){.org_x = (float)origin.x,
+                           .org_y = (float)origin.y,
+                           .org_z = (float)origin.z,
+                           .dir_x = (float)direction.x,
+                           .dir_y = (float)direction.y,
+                           .dir_z = (float)direction.z,
+                           .tfar = (float)end,
+                           .mask = UINT32_MAX};
+    return end > 0;
+}
+
+// Decides in double precision on the flat piece that was found.
+static bool accept(const AccelGroup *group, const Ray *ray, uint32_t instance,
+                   const struct RTCHit *found, Hit *hit)
+{
+    const uint32_t geometry = found->geomID;
+    const bool met =
+        geometry < GEOMETRY_KINDS
+            ? accel_meet_flat(group->accel, accel_first_flat(group, geometry) + found->primID, ray,
+                              instance, false, hit)
+            : accel_meet_mesh(group->geometries[geometry - GEOMETRY_KINDS], found->primID, ray,
+                              instance, hit);
+    return met && !(hit->flat == ray->ends.flat && instance == ray->ends.instance);
+}
+
+static bool is_flat(const AccelGroup *group, uint32_t geometry)
+{
+    return geometry < GEOMETRY_KINDS || (geometry - GEOMETRY_KINDS < group->geometry_count &&
+                                         group->geometries[geometry - GEOMETRY_KINDS]->mesh);
+}
+
+// The nearest hit in the group's hierarchy.
+static bool hierarchy_intersect(const AccelGroup *group, const Ray *ray, const LocalRay *local,
+                                uint32_t instance, Hit *hit)
+{
+    Query q;
+    struct RTCRayHit rayhit;
+    if (!query_begin(&q, group, ray, local, instance, false, hit, &rayhit.ray)) {
+        return careful_intersect(group, ray, instance, hit);
+    }
+    rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+    struct RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = &q.embree;
+    rtcIntersect1((RTCScene)group->hierarchy, &rayhit, &arguments);
+#else
+    rtcIntersect1((RTCScene)group->hierarchy, &q.embree, &rayhit);
+#endif
+    if (rayhit.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+        return false;
+    }
+    if (!is_flat(group, rayhit.hit.geomID)) {
+        return true; // the callback that found it left it in *hit
+    }
+    Hit flat;
+    if (!accept(group, ray, instance, &rayhit.hit, &flat)) {
+        return careful_intersect(group, ray, instance, hit);
+    }
+    *hit = flat;
+    return true;
+}
+
+bool group_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit)
+{
+    LocalRay local;
+    if (!local_ray(group, ray, instance, &local)) {
+        return false;
+    }
+    bool found = false;
+    if (group->sweep_count) {
+        const SweepRay swept = sweep_ray(&local);
+        found = accel_sweep_intersect(group, ray, &swept, instance, hit);
+    }
+    if (!group->hierarchy) {
+        return found;
+    }
+    if (!found) {
+        return hierarchy_intersect(group, ray, &local, instance, hit);
+    }
+    Ray nearer = *ray;
+    nearer.tmax = hit->t;
+    local.end = smaller(local.end, hit->t * local.speed);
+    hierarchy_intersect(group, &nearer, &local, instance, hit);
+    return true;
+}
+
+bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
+{
+    LocalRay local;
+    if (!local_ray(group, ray, instance, &local)) {
+        return false;
+    }
+    if (group->sweep_count) {
+        const SweepRay swept = sweep_ray(&local);
+        if (accel_sweep_occluded(group, ray, &swept, instance)) {
+            return true;
+        }
+    }
+    Query q;
+    struct RTCRay embree_ray;
+    if (!group->hierarchy) {
+        return false;
+    }
+    if (!query_begin(&q, group, ray, &local, instance, true, NULL, &embree_ray)) {
+        return careful_occluded(group, ray, instance);
+    }
+#if RTC_VERSION_MAJOR >= 4
+    struct RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.context = &q.embree;
+    rtcOccluded1((RTCScene)group->hierarchy, &embree_ray, &arguments);
+#else
+    rtcOccluded1((RTCScene)group->hierarchy, &q.embree, &embree_ray);
+#endif
+    return embree_ray.tfar < 0;
+}
+
+// --- Callbacks: shapes ------------------------------------------------------------------------
+
+// Intersects a shape with the query's ray up to `tmax`.
+static bool shape_hit(const AccelKind *kind, uint32_t shape, const Ray *ray, double tmax,
+                      ShapeHit *hit)
+{
+    const Scene *scene = kind->accel->scene;
+    const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, shape);
+    Ray local = accel_shape_ray(scene, node, ray);
+    local.tmax = tmax;
+    return kind->class->intersect(kind->params + node->index * kind->class->node.size, &local, hit);
+}
+
+// How far along its ray a query still looks: on the fast way Embree alone knows of flat pieces.
+static double query_tmax(const Query *q, const struct RTCRay *ray)
+{
+    return q->careful || ray->tfar == q->reported
+               ? q->tmax
+               : smaller(q->tmax, ((double)ray->tfar + q->start) / q->speed);
+}
+
+// Tells Embree of a hit that is in *q->hit. It goes on a little beyond, so that what single
+// precision would place behind by mistake is tried.
+static void report_hit(Query *q, const struct RTCIntersectFunctionNArguments *args)
+{
+    struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)args->rayhit;
+    q->tmax = q->hit->t;
+    const double beyond = q->careful ? FLAT_GROWTH : 0x1p-23;
+    q->reported = (float)(q->tmax * q->speed - q->start + beyond);
+    rayhit->ray.tfar = q->reported < rayhit->ray.tfar ? q->reported : rayhit->ray.tfar;
+    rayhit->hit.geomID = args->geomID;
+    rayhit->hit.primID = args->primID;
+}
+
+void intersect_shape(const struct RTCIntersectFunctionNArguments *args)
+{
+    if (!args->valid[0]) {
+        return;
+    }
+    const AccelKind *kind = args->geometryUserPtr;
+    Query *q = (Query *)(void *)args->context;
+    uint32_t shape = kind->ids[args->primID];
+    ShapeHit local;
+    const double tmax = query_tmax(q, (const struct RTCRay *)(const void *)args->rayhit);
+    if (shape_hit(kind, shape, q->ray, tmax, &local)) {
+        *q->hit = (Hit){.t = local.t, .shape = shape, .instance = q->instance, .local = local};
+        report_hit(q, args);
+    }
+}
+
+void occluded_shape(const struct RTCOccludedFunctionNArguments *args)
+{
+    if (!args->valid[0]) {
+        return;
+    }
+    const AccelKind *kind = args->geometryUserPtr;
+    Query *q = (Query *)(void *)args->context;
+    ShapeHit local;
+    if (shape_hit(kind, kind->ids[args->primID], q->ray, q->tmax, &local)) {
+        ((struct RTCRay *)(void *)args->ray)->tfar = -INFINITY;
+    }
+}
+
+// --- Callbacks: groups within groups ----------------------------------------------------------
+
+// A primitive of the pockets' or the instances' geometry: the group it leads to, and the ray there.
+typedef struct Passage {
+    const AccelGroup *group;
+    uint32_t instance;
+    Ray ray;
+} Passage;
+
+// False where the ray misses the inner group's box.
+static bool pass_to_pocket(const Query *q, uint32_t primitive, double tmax, Passage *out)
+{
+    out->group = &q->group->accel->groups[q->group->pockets[primitive]];
+    out->instance = q->instance;
+    out->ray = *q->ray;
+    out->ray.tmax = tmax;
+    return true;
+}
+
+static bool pass_to_instance(const Query *q, uint32_t primitive, double tmax, Passage *out)
+{
+    const Accel *accel = q->group->accel;
+    const SceneInstance *instance = &accel->scene->instances.items[primitive];
+    out->group = &accel->groups[instance->prototype];
+    out->instance = primitive;
+    out->ray = ray_map(&accel->scene->inverses.items[instance->transform], q->ray);
+    out->ray.tmax = tmax;
+    out->ray.ends = q->ray->ends;
+    double begin = out->ray.tmin, end = tmax;
+    return ray_clip(&out->ray, out->group->bounds, out->group->scale * BOX_MARGIN, &begin, &end);
+}
+
+typedef bool Pass(const Query *q, uint32_t primitive, double tmax, Passage *out);
+
+static void intersect_passage(const struct RTCIntersectFunctionNArguments *args, Pass *pass)
+{
+    Query *q = (Query *)(void *)args->context;
+    Passage inner;
+    Hit hit;
+    if (!args->valid[0]) {
+        return;
+    }
+    const double tmax = query_tmax(q, (const struct RTCRay *)(const void *)args->rayhit);
+    if (pass(q, args->primID, tmax, &inner) &&
+        group_intersect(inner.group, &inner.ray, inner.instance, &hit)) {
+        *q->hit = hit;
+        report_hit(q, args);
+    }
+}
+
+static void occluded_passage(const struct RTCOccludedFunctionNArguments *args, Pass *pass)
+{
+    Query *q = (Query *)(void *)args->context;
+    Passage inner;
+    if (args->valid[0] && pass(q, args->primID, q->tmax, &inner) &&
+        group_occluded(inner.group, &inner.ray, inner.instance)) {
+        ((struct RTCRay *)(void *)args->ray)->tfar = -INFINITY;
+    }
+}
+
+void intersect_pocket(const struct RTCIntersectFunctionNArguments *args)
+{
+    intersect_passage(args, pass_to_pocket);
+}
+void occluded_pocket(const struct RTCOccludedFunctionNArguments *args)
+{
+    occluded_passage(args, pass_to_pocket);
+}
+void intersect_instance(const struct RTCIntersectFunctionNArguments *args)
+{
+    intersect_passage(args, pass_to_instance);
+}
+void occluded_instance(const struct RTCOccludedFunctionNArguments *args)
+{
+    occluded_passage(args, pass_to_instance);
+}
+
+// --- Queries ----------------------------------------------------------------------------------
+
+bool accel_intersect(const Accel *accel, const Ray *ray, Hit *hit)
+{
+    if (accel->unbounded_count == 0) {
+        return group_intersect(&accel->groups[0], ray, NONE_ID, hit);
+    }
+    Ray nearer = *ray;
+    const bool found = accel_unbounded_hit(accel, ray, hit);
+    if (found) {
+        nearer.tmax = hit->t;
+    }
+    return group_intersect(&accel->groups[0], &nearer, NONE_ID, hit) || found;
+}
+
+bool accel_occluded(const Accel *accel, const Ray *ray)
+{
+    Hit hit;
+    return (accel->unbounded_count && accel_unbounded_hit(accel, ray, &hit)) ||
+           group_occluded(&accel->groups[0], ray, NONE_ID);
+}
