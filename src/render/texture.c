@@ -2,14 +2,15 @@
 
 #include "base/mem.h"
 #include "image/image.h"
-#include "render/texture_image.h"
+#include "render/picture_cache.h"
 
 #include <string.h>
+#include <xxhash.h>
 
 typedef struct LoadedImage {
     const char *path;
     int32_t encoding;
-    TextureImage image; // texels from mem_alloc; NULL: reading failed and was reported
+    SharedPicture *picture; // NULL: reading failed and was reported
 } LoadedImage;
 
 struct TextureSet {
@@ -46,7 +47,52 @@ static uint64_t convert_texels(const Image *image, bool srgb, TextureImage *out)
     return bad;
 }
 
-static bool decode(const Scene *scene, LoadedImage *loaded, DiagSink *sink, Span at)
+// The picture in a file's bytes. NULL after a report.
+static SharedPicture *decode(const LoadedImage *loaded, const FileBytes *bytes, DiagSink *sink,
+                             Span at)
+{
+    Image image;
+    char message[256] = "";
+    if (!image_read(loaded->path, bytes->bytes, bytes->size, (ImageLimits){TEXTURE_MAX_PIXELS},
+                    &image, message, sizeof message)) {
+        diag_report(sink, E0940, at, "can't read the image `%s`: %s", loaded->path, message);
+        return NULL;
+    }
+    SharedPicture *picture =
+        image.channels > 0 ? shared_picture_new(image.width, image.height) : NULL;
+    if (picture) {
+        bool srgb = loaded->encoding == ENCODING_SRGB ||
+                    (loaded->encoding == ENCODING_AUTO && image.srgb_encoded);
+        picture->encoding = loaded->encoding;
+        picture->bad_texels = convert_texels(&image, srgb, &picture->image);
+    } else {
+        diag_report(sink, E0001, at, "no memory for the image `%s`", loaded->path);
+    }
+    image_free(&image);
+    return picture;
+}
+
+// The same, or one that was decoded of the same bytes before.
+static SharedPicture *find_or_decode(const Scene *scene, const LoadedImage *loaded,
+                                     const FileBytes *bytes, DiagSink *sink, Span at)
+{
+    if (!scene->pictures) {
+        return decode(loaded, bytes, sink, at);
+    }
+    const XXH128_hash_t hash = XXH3_128bits(bytes->bytes, bytes->size);
+    const uint64_t digest[2] = {hash.low64, hash.high64};
+    SharedPicture *picture = picture_cache_find(scene->pictures, digest, loaded->encoding);
+    if (!picture) {
+        picture = decode(loaded, bytes, sink, at);
+        if (picture) {
+            memcpy(picture->digest, digest, sizeof digest);
+            picture_cache_add(scene->pictures, picture);
+        }
+    }
+    return picture;
+}
+
+static bool load(const Scene *scene, LoadedImage *loaded, DiagSink *sink, Span at)
 {
     FileBytes bytes;
     IoError error = sandbox_read(scene->sandbox, loaded->path, &bytes);
@@ -55,37 +101,13 @@ static bool decode(const Scene *scene, LoadedImage *loaded, DiagSink *sink, Span
                     io_error_text(error));
         return false;
     }
-    Image image;
-    char message[256] = "";
-    bool read = image_read(loaded->path, bytes.bytes, bytes.size, (ImageLimits){TEXTURE_MAX_PIXELS},
-                           &image, message, sizeof message);
+    loaded->picture = find_or_decode(scene, loaded, &bytes, sink, at);
     file_bytes_free(&bytes);
-    if (!read) {
-        diag_report(sink, E0940, at, "can't read the image `%s`: %s", loaded->path, message);
-        return false;
+    if (loaded->picture && loaded->picture->bad_texels) {
+        diag_report(sink, W0941, at, "%llu texels of `%s` are not finite and are taken as black",
+                    (unsigned long long)loaded->picture->bad_texels, loaded->path);
     }
-    TextureImage *out = &loaded->image;
-    bool made = image.width > 0 && image.height > 0 && image.channels > 0;
-    if (made) {
-        out->width = image.width;
-        out->height = image.height;
-        out->texels = mem_alloc((size_t)image.width * (size_t)image.height, sizeof(Rgb));
-        made = out->texels != NULL;
-    }
-    if (made) {
-        bool srgb = loaded->encoding == ENCODING_SRGB ||
-                    (loaded->encoding == ENCODING_AUTO && image.srgb_encoded);
-        uint64_t bad = convert_texels(&image, srgb, out);
-        if (bad) {
-            diag_report(sink, W0941, at,
-                        "%llu texels of `%s` are not finite and are taken as black",
-                        (unsigned long long)bad, loaded->path);
-        }
-    } else {
-        diag_report(sink, E0001, at, "no memory for the image `%s`", loaded->path);
-    }
-    image_free(&image);
-    return made;
+    return loaded->picture != NULL;
 }
 
 const TextureImage *texture_set_image(TextureSet *set, const Scene *scene, const char *path,
@@ -94,7 +116,7 @@ const TextureImage *texture_set_image(TextureSet *set, const Scene *scene, const
     for (size_t i = 0; i < set->images.count; ++i) {
         LoadedImage *known = set->images.items[i];
         if (known->encoding == encoding && strcmp(known->path, path) == 0) {
-            return known->image.texels ? &known->image : NULL;
+            return known->picture ? &known->picture->image : NULL;
         }
     }
     LoadedImage *loaded = ARENA_NEW(&set->arena, LoadedImage);
@@ -104,7 +126,7 @@ const TextureImage *texture_set_image(TextureSet *set, const Scene *scene, const
     }
     loaded->path = path;
     loaded->encoding = encoding;
-    return decode(scene, loaded, sink, at) ? &loaded->image : NULL;
+    return load(scene, loaded, sink, at) ? &loaded->picture->image : NULL;
 }
 
 static bool prepare_all(TextureSet *set, DiagSink *sink)
@@ -152,7 +174,7 @@ void texture_set_free(TextureSet *set)
         return;
     }
     for (size_t i = 0; i < set->images.count; ++i) {
-        mem_free(set->images.items[i]->image.texels);
+        shared_picture_release(set->images.items[i]->picture);
     }
     array_free(&set->images);
     arena_free(&set->arena);

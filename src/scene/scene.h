@@ -96,8 +96,11 @@ typedef struct Scene {
     SceneParamArray params;
     SceneExpectationArray expectations; // in the order in which they were run first
     Sandbox *sandbox;                   // through which files are opened; not owned
-    uint64_t hash;                      // of the sources' bytes and the parameters
-    uint32_t camera;                    // id of the camera to use, or NONE_ID
+    // Pictures that were decoded for an earlier version of the scene; not owned; NULL: none are
+    // kept.
+    struct PictureCache *pictures;
+    uint64_t hash;   // of the sources' bytes and the parameters
+    uint32_t camera; // id of the camera to use, or NONE_ID
 } Scene;
 
 // False when memory runs out. `schema` and `sandbox` must outlive the scene.

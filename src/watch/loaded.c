@@ -3,6 +3,7 @@
 #include "base/mem.h"
 #include "render/light_report.h"
 #include "render/material_report.h"
+#include "render/picture_cache.h"
 #include "render/render.h"
 
 #include <errno.h>
@@ -126,6 +127,8 @@ static void evaluate(Loaded *loaded, const SceneRequest *request, FileWatch *fil
     if (good && !loaded->stopped) {
         light_warn_enclosed(&loaded->scene, &lang->sink);
         material_warn_open_glass(&loaded->scene, &lang->sink);
+        picture_cache_turn(request->pictures);
+        loaded->scene.pictures = request->pictures;
         loaded->world = world_build(&loaded->scene, request->threads, &lang->sink);
     }
 }

@@ -21,9 +21,10 @@ typedef struct SceneRequest {
     const char *const *folders; // further ones that it may read from
     size_t folder_count;
     Limits limits;
-    unsigned threads;       // 0: one a processor
-    FILE *print_to;         // where print() writes; NULL: nowhere
-    const atomic_int *stop; // not zero: evaluation is to be given up; may be NULL
+    unsigned threads;              // 0: one a processor
+    FILE *print_to;                // where print() writes; NULL: nowhere
+    struct PictureCache *pictures; // between versions; may be NULL
+    const atomic_int *stop;        // not zero: evaluation is to be given up; may be NULL
 } SceneRequest;
 
 typedef struct Loaded {

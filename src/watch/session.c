@@ -2,6 +2,7 @@
 #include "watch/session_internal.h"
 
 #include "base/mem.h"
+#include "render/picture_cache.h"
 #include "watch/inspect.h"
 
 #include <math.h>
@@ -56,6 +57,7 @@ Session *session_new(const SessionOptions *options, char *message, size_t messag
     atomic_init(&session->closing, 0);
     atomic_init(&session->outdated, 0);
     session->options.scene.stop = &session->outdated;
+    session->options.scene.pictures = picture_cache_new();
     pthread_mutex_init(&session->lock, NULL);
     make_condition(&session->changed);
     session->camera = NONE_ID;
@@ -108,6 +110,7 @@ void session_free(Session *session)
     loaded_release(session->shown);
     free_overrides(&session->overrides);
     text_free(&session->params);
+    picture_cache_free(session->options.scene.pictures);
     pthread_cond_destroy(&session->changed);
     pthread_mutex_destroy(&session->lock);
     mem_free(session);
