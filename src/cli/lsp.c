@@ -50,7 +50,8 @@ int command_lsp(const Options *options)
                                 .limits = options->limits,
                                 .folders = options->folders,
                                 .folder_count = options->folder_count,
-                                .version = SCN_VERSION}};
+                                .version = SCN_VERSION,
+                                .evaluates = true}};
     Limits standard = limits_default(), *limits = &serving.host.limits;
     limits->steps = lowered(limits->steps, standard.steps, STEPS);
     limits->objects = lowered(limits->objects, standard.objects, OBJECTS);

@@ -256,6 +256,19 @@ static Value eval_list(Eval *ev, Env *env, AstId id)
     return maker.failed ? value_error() : v;
 }
 
+// Suggests the text of a short expression, in `format`, for what stands at `whole`.
+__attribute__((format(printf, 4, 0))) static void suggest_around(Eval *ev, Span whole, Span value,
+                                                                 const char *format, Diag *diag)
+{
+    const Source *source = source_get(&ev->lang->sources, whole.file);
+    char fix[100];
+    int length = (int)(value.end - value.begin);
+    if (source && value.end <= source->text.length && length < 60) {
+        snprintf(fix, sizeof fix, format, length, source->text.at + value.begin);
+        diag_suggest(ev->sink, diag, whole, fix);
+    }
+}
+
 Value eval_sequence(Eval *ev, Env *env, AstId id)
 {
     Value v = eval(ev, env, id);
@@ -269,6 +282,7 @@ Value eval_sequence(Eval *ev, Env *env, AstId id)
         char number[32];
         format_number(v.number, number, sizeof number);
         diag_label(ev->sink, diag, "did you mean `0..<%s`?", number);
+        suggest_around(ev, env_span(env, id), env_span(env, id), "0..<%.*s", diag);
     }
     return fail(diag);
 }
@@ -397,6 +411,7 @@ Value eval_member(Eval *ev, Env *env, AstId id)
         diag_note(ev->sink, diag, "the fields of a kind can't be read; `with` changes them");
     } else if (str_equal(name, STR("length")) || str_equal(name, STR("count"))) {
         diag_label(ev->sink, diag, "did you mean `len(…)`?");
+        suggest_around(ev, env_span(env, id), env_span(env, node->a), "len(%.*s)", diag);
     }
     return fail(diag);
 }

@@ -332,6 +332,7 @@ void lexer_string(Lexer *lexer, Token *token)
         Diag *diag = diag_report(lexer->sink, E0105, lexer_span(lexer, begin, at),
                                  "this string is not closed on its line");
         diag_label(lexer->sink, diag, "expected `\"`");
+        diag_suggest(lexer->sink, diag, lexer_span(lexer, at, at), "\"");
     }
 }
 

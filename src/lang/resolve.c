@@ -48,6 +48,9 @@ static void report_unknown_name(Resolver *r, AstId id, Symbol name)
     Diag *diag = report(ev, E0302, span_at(r, id), "there is no name `%s` here", text.at);
     if (name < ev->symbol_count && ev->symbols[name].kind) {
         diag_label(ev->sink, diag, "`%s` is a kind: write `%s { … }`", text.at, text.at);
+        Span end = span_at(r, id);
+        end.begin = end.end;
+        diag_suggest(ev->sink, diag, end, " {}");
         return;
     }
     suggest(r, diag, span_at(r, id), scope_suggest(r, text));
@@ -346,6 +349,9 @@ static uint32_t find_kind(Resolver *r, AstId id)
         suggest(r, diag, name_span(r, id, name), near ? str_from(near) : (Str){0});
         if (!near && scope_find(r, name)) {
             diag_label(r->ev->sink, diag, "a value is changed by `%s with { … }`", text.at);
+            Span end = name_span(r, id, name);
+            end.begin = end.end;
+            diag_suggest(r->ev->sink, diag, end, " with");
         }
     }
     return kind;

@@ -14,6 +14,7 @@ typedef struct LspHost {
     const char *const *folders; // that scenes may read, beside their own
     size_t folder_count;
     const char *version;
+    bool evaluates; // else it starts no processes
 } LspHost;
 
 typedef enum LspEnd {

@@ -579,7 +579,8 @@ static void enqueue_frames(Server *server)
 
 static bool may_evaluate(const Server *server, const Document *document)
 {
-    return server->settings.evaluate && document->evaluate_at > 0 && server->phase == PHASE_RUNNING;
+    return server->host->evaluates && server->settings.evaluate && document->evaluate_at > 0 &&
+           server->phase == PHASE_RUNNING;
 }
 
 double server_idle(Server *server)
