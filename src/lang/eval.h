@@ -66,6 +66,9 @@ typedef enum NameKind {
     NAME_NAMESPACE,
 } NameKind;
 
+// COLOR.op, once a is its place in Module.constants. What the parser left out of the tree never is.
+enum { COLOR_DECODED = 1 };
+
 // MEMBER.op: of a value, or of a namespace (aux: module, b: slot).
 typedef enum MemberKind { MEMBER_VALUE, MEMBER_GLOBAL, MEMBER_BAD } MemberKind;
 

@@ -187,6 +187,7 @@ static void resolve_color(Resolver *r, AstId id)
         out_of_memory(r->ev);
     }
     node->a = (uint32_t)(r->module->constants.count - 1);
+    node->op = COLOR_DECODED;
 }
 
 // --- Frames ----------------------------------------------------------------------------------

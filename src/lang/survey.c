@@ -177,8 +177,9 @@ static bool is_written_out(const Ast *ast, AstId id, int depth)
     enum { DEEPEST = 16 };
     switch ((AstTag)node->tag) {
     case AST_NUMBER:
-    case AST_COLOR:
         return true;
+    case AST_COLOR:
+        return node->op == COLOR_DECODED;
     case AST_UNARY:
         return depth < DEEPEST && node->a && is_written_out(ast, node->a, depth + 1);
     case AST_BINARY:
@@ -225,7 +226,8 @@ bool survey_color(const Survey *survey, uint32_t file, AstId id, double color[3]
 {
     const Module *module = module_at(survey, file);
     const AstNode *node = ast_node(&module->ast, id);
-    if (node->tag != AST_COLOR && (node->tag != AST_CALL || !is_color_call(&module->ast, node))) {
+    bool is_color = node->tag == AST_COLOR && node->op == COLOR_DECODED;
+    if (!is_color && (node->tag != AST_CALL || !is_color_call(&module->ast, node))) {
         return false;
     }
     Eval *ev = survey->ev;
