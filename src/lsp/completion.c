@@ -2,13 +2,9 @@
 #include "lsp/context.h"
 #include "lsp/features.h"
 #include "lsp/hover.h"
+#include "lsp/scene_files.h"
 
-#include "base/mem.h"
-
-#include <dirent.h>
 #include <limits.h>
-#include <stdlib.h>
-#include <sys/stat.h>
 
 // CompletionItemKind
 enum {
@@ -532,66 +528,25 @@ static void add_types(Maker *m)
 
 // --- Files ---------------------------------------------------------------------------------------
 
-static bool ends_with(const char *name, const char *ending)
+static void add_file(void *context, const char *name, bool is_folder)
 {
-    size_t length = strlen(name), tail = strlen(ending);
-    return length > tail && strcmp(name + length - tail, ending) == 0;
-}
-
-// Links may lead out; what they lead to must lie inside, too.
-static bool is_allowed(const Maker *m, const char *path)
-{
-    char real[PATH_MAX];
-    const char *inside;
-    return realpath(path, real) && sandbox_resolve(&m->analysis->sandbox, &m->server->scratch, NULL,
-                                                   str_from(real), &inside) == IO_OK;
-}
-
-static void add_file(Maker *m, const char *folder, const struct dirent *entry, bool scenes)
-{
-    char path[PATH_MAX], text[NAME_MAX + 2];
-    struct stat info;
-    int size = snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
-    bool known = size > 0 && (size_t)size < sizeof path && stat(path, &info) == 0;
-    bool plain = !strpbrk(entry->d_name, "\"\\\n\t") && entry->d_name[0] != '.';
-    if (!known || !plain || !is_allowed(m, path)) {
-        return;
-    }
-    bool is_folder = S_ISDIR(info.st_mode), is_scene = ends_with(entry->d_name, ".scn");
-    if (is_folder) {
-        snprintf(text, sizeof text, "%s/", entry->d_name);
-        add_item(m, text, ITEM_FOLDER, RANK_LOCAL, NULL, NULL);
-    } else if (S_ISREG(info.st_mode) && is_scene == scenes) {
-        add_item(m, entry->d_name, ITEM_FILE, RANK_WANTED, NULL, NULL);
-    }
+    Maker *m = context;
+    char text[NAME_MAX + 2];
+    snprintf(text, sizeof text, is_folder ? "%s/" : "%s", name);
+    add_item(m, text, is_folder ? ITEM_FOLDER : ITEM_FILE, is_folder ? RANK_LOCAL : RANK_WANTED,
+             NULL, NULL);
 }
 
 // `written` is what stands in the string before the cursor.
 static void add_files(Maker *m, Str written, bool scenes)
 {
-    enum { MOST = 1000 };
-    size_t folder_length = written.length;
-    while (folder_length > 0 && written.at[folder_length - 1] != '/') {
-        --folder_length;
+    size_t folder = written.length;
+    while (folder > 0 && written.at[folder - 1] != '/') {
+        --folder;
     }
-    const char *folder;
-    char given[PATH_MAX];
-    snprintf(given, sizeof given, "%.*s.", (int)(folder_length < 4000 ? folder_length : 4000),
-             written.at);
-    if (sandbox_resolve(&m->analysis->sandbox, &m->server->scratch, m->document->real,
-                        str_from(given), &folder) != IO_OK ||
-        !is_allowed(m, folder)) {
-        return;
-    }
-    m->context.begin += (uint32_t)folder_length;
-    DIR *list = opendir(folder);
-    const struct dirent *entry;
-    for (int i = 0; list && i < MOST && (entry = readdir(list)); ++i) {
-        add_file(m, folder, entry, scenes);
-    }
-    if (list) {
-        closedir(list);
-    }
+    m->context.begin += (uint32_t)folder;
+    scene_files(m->server, m->analysis, m->document->real, (Str){written.at, folder}, scenes,
+                add_file, m);
 }
 
 static void add_strings(Maker *m, uint32_t offset)

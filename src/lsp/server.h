@@ -1,6 +1,7 @@
 // What the server's files share.
 //
 //   server.c       messages, the loop, the table of methods
+//   lifecycle.c    what client and server can do; sync.c: what the client tells of documents
 //   documents.c    open documents and what is known of them
 //   evaluation.c   the process that evaluates a document
 //   diagnostics.c  what is published
