@@ -10,8 +10,8 @@
 // radiance of either side in R, G, B and their mean, with its standard error from the seeds; what
 // part of the pixels agrees within 0.1 %; and the mean of ꟻLIP.
 //
-// A pixel counts to a region where its eight neighbours show the same object, so that no filter
-// brings another one's light; the others are the region "(edges)".
+// A pixel counts to a region where its eight neighbours show objects of the same region, so that no
+// filter brings another one's light; the others are the region "(edges)".
 #include "base/io.h"
 #include "flip.h"
 #include "image/image.h"
@@ -164,11 +164,12 @@ static long object_at(const Image *ids, int x, int y)
     return id >= 0 && id < MOST_OBJECTS ? id : 0;
 }
 
-static bool is_inside(const Image *ids, int x, int y)
+static bool is_inside(const Job *job, const int *own, int x, int y)
 {
-    for (int j = y > 0 ? y - 1 : y; j <= y + 1 && j < ids->height; ++j) {
-        for (int i = x > 0 ? x - 1 : x; i <= x + 1 && i < ids->width; ++i) {
-            if (object_at(ids, i, j) != object_at(ids, x, y)) {
+    int region = own[y * job->width + x];
+    for (int j = y > 0 ? y - 1 : y; j <= y + 1 && j < job->height; ++j) {
+        for (int i = x > 0 ? x - 1 : x; i <= x + 1 && i < job->width; ++i) {
+            if (own[j * job->width + i] != region) {
                 return false;
             }
         }
@@ -178,21 +179,20 @@ static bool is_inside(const Image *ids, int x, int y)
 
 static bool sort_pixels(Job *job, const Image *ids, const int *regions)
 {
+    int *own = malloc(pixel_count(job) * sizeof *own), edges = region_number(job, "(edges)");
     job->region_of = malloc(pixel_count(job) * sizeof *job->region_of);
     job->inside = malloc(pixel_count(job) * sizeof *job->inside);
-    int edges = region_number(job, "(edges)");
-    if (!job->region_of || !job->inside) {
-        return false;
+    bool ok = own && job->region_of && job->inside;
+    for (int i = 0; ok && i < job->width * job->height; ++i) {
+        own[i] = regions[object_at(ids, i % job->width, i / job->width)];
     }
-    for (int y = 0; y < job->height; ++y) {
-        for (int x = 0; x < job->width; ++x) {
-            size_t i = (size_t)y * (size_t)job->width + (size_t)x;
-            job->inside[i] = is_inside(ids, x, y);
-            job->region_of[i] = job->inside[i] ? regions[object_at(ids, x, y)] : edges;
-            job->regions[job->region_of[i]].pixels++;
-        }
+    for (int i = 0; ok && i < job->width * job->height; ++i) {
+        job->inside[i] = is_inside(job, own, i % job->width, i / job->width);
+        job->region_of[i] = job->inside[i] ? own[i] : edges;
+        job->regions[job->region_of[i]].pixels++;
     }
-    return true;
+    free(own);
+    return ok;
 }
 
 // --- Figures -------------------------------------------------------------------------------------

@@ -41,6 +41,8 @@ void blender_define_materials(const Blender *b);
 void blender_color_tex(const Blender *b, ColorTex color);
 // Do a material's textures use the shape's own space? Then its sphere can't be the unit sphere.
 bool blender_uses_object_space(const Blender *b, uint32_t material);
+// Does a material, or a part of it, emit?
+bool blender_emits(const Blender *b, uint32_t material);
 bool blender_is_glass(const Blender *b, uint32_t material);
 
 // --- The rest ------------------------------------------------------------------------------------

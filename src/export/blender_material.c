@@ -615,6 +615,30 @@ bool blender_is_glass(const Blender *b, uint32_t material)
     return material != NONE_ID && export_is(b->e, material_node(b, material), "fresnel");
 }
 
+static bool emits(const Blender *b, uint32_t material, int depth)
+{
+    if (material == NONE_ID || depth > 64) {
+        return false;
+    }
+    const SceneNode *node = material_node(b, material);
+    const NodeType *type = scene_node_type(b->e->scene, node);
+    const char *params = scene_params(b->e->scene, node);
+    bool found = export_is(b->e, node, "emissive");
+    for (size_t i = 0; i < type->param_count && !found; ++i) {
+        const Param *param = &type->params[i];
+        if (param->type == PARAM_NODE && param->category == CATEGORY_MATERIAL) {
+            const void *value = params + param->offset;
+            found = emits(b, *(const uint32_t *)value, depth + 1);
+        }
+    }
+    return found;
+}
+
+bool blender_emits(const Blender *b, uint32_t material)
+{
+    return emits(b, material, 0);
+}
+
 // Its own `space`, or any texture or material that any of its fields names.
 static bool uses_object_space(const Blender *b, const SceneNode *node, int depth)
 {

@@ -171,7 +171,7 @@ static void write_round(const Blender *b, const SceneNode *node)
 }
 
 // The mesh of a shape as an expression. False, and nothing written, where there is none.
-static bool write_geometry(const Blender *b, const SceneNode *node, bool unit_sphere)
+static bool write_geometry(const Blender *b, const SceneNode *node, bool unit_sphere, bool shines)
 {
     Export *e = b->e;
     const NodeType *type = scene_node_type(e->scene, node);
@@ -202,7 +202,7 @@ static bool write_geometry(const Blender *b, const SceneNode *node, bool unit_sp
         vec3_field(b, node, whole ? "u" : "b");
         blender_print(b, ", ");
         vec3_field(b, node, whole ? "v" : "c");
-        blender_print(b, ")");
+        blender_print(b, whole && shines ? ", 16)" : ")");
     } else if (export_is(e, node, "cylinder") || export_is(e, node, "cone")) {
         write_frustum(b, node, export_is(e, node, "cone"));
     } else if (export_is(e, node, "disc") || export_is(e, node, "torus")) {
@@ -256,11 +256,13 @@ static void write_shape(const Blender *b, uint32_t id, const char *indent)
     const SceneNode *node = shape_node(b, id);
     const Affine *map = export_transform(e, node->transform);
     uint32_t light = blender_light_of_shape(b, id);
-    bool unit_sphere =
-        export_is(e, node, "sphere") && !blender_uses_object_space(b, node->material);
+    bool shines = light != NONE_ID || blender_emits(b, node->material);
+    // A lamp's power is spread over the mesh itself.
+    bool unit_sphere = export_is(e, node, "sphere") && light == NONE_ID &&
+                       !blender_uses_object_space(b, node->material);
     blender_comment(b, indent, export_kind(e, node), node->name, node->at);
     blender_print(b, "%sdata = ", indent);
-    if (!write_geometry(b, node, unit_sphere)) {
+    if (!write_geometry(b, node, unit_sphere, shines)) {
         blender_print(b, "None\n\n");
         return;
     }
