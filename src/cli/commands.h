@@ -9,6 +9,7 @@ int command_watch(const Options *options);
 int command_merge(const Options *options);
 int command_check(const Options *options);
 int command_test(const Options *options);
+int command_furnace(const Options *options);
 int command_lights(const Options *options);
 int command_params(const Options *options);
 int command_fmt(const Options *options);

@@ -40,6 +40,8 @@ static int run(const Options *options)
         return command_check(options);
     case COMMAND_TEST:
         return command_test(options);
+    case COMMAND_FURNACE:
+        return command_furnace(options);
     case COMMAND_LIGHTS:
         return command_lights(options);
     case COMMAND_PARAMS:

@@ -14,7 +14,8 @@
 #define ON_ALL      (~0u)
 #define ON_PICTURES (ON(RENDER) | ON(WATCH))
 #define ON_SCENES                                                                                  \
-    (ON(RENDER) | ON(WATCH) | ON(CHECK) | ON(TEST) | ON(LIGHTS) | ON(PARAMS) | ON(EXPORT))
+    (ON(RENDER) | ON(WATCH) | ON(CHECK) | ON(TEST) | ON(FURNACE) | ON(LIGHTS) | ON(PARAMS) |       \
+     ON(EXPORT))
 
 const CommandInfo command_infos[COMMAND_COUNT] = {
 #define COMMAND(id, name, operand, fewest, most, text)                                             \

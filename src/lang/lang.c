@@ -189,6 +189,44 @@ static void keep_params(Eval *ev, Module *module)
     }
 }
 
+enum { MOST_BINDINGS = 10000, MOST_IN_A_LIST = 1000 };
+
+// A material that a name stands for, or those of a list.
+static void keep_binding(Eval *ev, const char *name, Value v, Span at)
+{
+    if (v.type == VALUE_LIST && v.count <= MOST_IN_A_LIST) {
+        for (uint32_t i = 0; i < v.count; ++i) {
+            TextBuffer text = {0};
+            text_add(ev, &text, "%s[%u]", name, i);
+            if (v.items[i].type != VALUE_LIST) { // lists of lists are no palette
+                keep_binding(ev, text.text, v.items[i], at);
+            }
+        }
+        return;
+    }
+    bool is_material =
+        v.type == VALUE_NODE && ev->kinds[v.node->type].type->category == CATEGORY_MATERIAL;
+    if (!is_material || ev->scene->bindings.count == MOST_BINDINGS) {
+        return;
+    }
+    SceneBinding binding = {keep_string(ev, str_from(name)), node_scene_id(ev, v.node), at};
+    if (!array_push(&ev->scene->bindings, binding)) {
+        out_of_memory(ev);
+    }
+}
+
+static void keep_bindings(Eval *ev, Module *module)
+{
+    for (uint32_t slot = 0; slot < module->globals.count; ++slot) {
+        const Global *global = &module->globals.items[slot];
+        if (global_tag(module, slot) == AST_LET) {
+            keep_binding(ev, symbol_name(ev->names, global->name).at,
+                         force_slot(ev, module->env, slot, global->item),
+                         item_name_span(module, global->item));
+        }
+    }
+}
+
 // The bytes of all files of the scene and the settings.
 static uint64_t hash_scene(const Eval *ev)
 {
@@ -272,6 +310,9 @@ static void evaluate(Eval *ev, const Run *run)
     emit_file(ev, module);
     force_globals(ev, module, AST_LET);
     keep_params(ev, module);
+    if (ev->lang->bindings) {
+        keep_bindings(ev, module);
+    }
     if (ev->lang->testing) {
         keep_unrun_expectations(ev, module);
     }

@@ -75,6 +75,7 @@ typedef struct Lang {
     // What isn't met of what the scene expects is not warned of, and what was never run of it is
     // kept, too.
     bool testing;
+    bool bindings; // the materials that the file names are put into the scene, used or not
     // The text that stands for the file at `given_path` (standard input); NULL: none. Not owned.
     const char *given_path;
     Str given_text;

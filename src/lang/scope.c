@@ -43,8 +43,9 @@ static Span binding_span(const Resolver *r, const Binding *binding)
 static void warn_if_unused(Resolver *r, const Binding *binding)
 {
     Str name = symbol_name(r->ev->names, binding->name);
-    if (binding->used || binding->quiet || r->module->failed || r->module->is_library ||
-        (name.length && name.at[0] == '_')) {
+    bool asked_for = r->ev->lang->bindings && binding->frame == 0; // what a file has to offer
+    if (binding->used || binding->quiet || asked_for || r->module->failed ||
+        r->module->is_library || (name.length && name.at[0] == '_')) {
         return;
     }
     Diag *diag = report(r->ev, W0301, binding_span(r, binding), "%s `%s` is never used",

@@ -99,6 +99,9 @@ typedef struct MaterialClass {
     bool (*medium)(const struct World *world, const void *params, Medium *out);
     // For the `local` integrator; l is unit, in the frame. NULL: see material_local.
     LocalTerms (*local)(const ShadingPoint *point, const void *params, Vec3 l);
+    // A law (of energy, or reciprocity) that the model breaks by construction: for who tests it.
+    // NULL: none.
+    const char *caveat;
 } MaterialClass;
 
 // A material of the world, resolved: world->materials[id], and [material_count] the default one.

@@ -71,9 +71,30 @@ void meter_free(Meter *m)
 // --- Samples -------------------------------------------------------------------------------------
 
 typedef struct LeafSums {
-    double sum[3];
-    uint64_t bad;
+    double sum[3], least[3], most[3]; // least and most: of the samples, and 0 where there are none
+    uint64_t samples, bad;
 } LeafSums;
+
+static void add_value(LeafSums *sums, const double value[3])
+{
+    for (int c = 0; c < 3; ++c) {
+        sums->sum[c] += value[c];
+        sums->least[c] = sums->samples ? fmin(sums->least[c], value[c]) : value[c];
+        sums->most[c] = sums->samples ? fmax(sums->most[c], value[c]) : value[c];
+    }
+    ++sums->samples;
+}
+
+static void join_sums(LeafSums *sums, const LeafSums *more)
+{
+    for (int c = 0; c < 3; ++c) {
+        sums->sum[c] += more->sum[c];
+        sums->least[c] = sums->samples ? fmin(sums->least[c], more->least[c]) : more->least[c];
+        sums->most[c] = sums->samples ? fmax(sums->most[c], more->most[c]) : more->most[c];
+    }
+    sums->samples += more->samples;
+    sums->bad += more->bad;
+}
 
 // Samples [from, to) of all replicates of a leaf, cut into chunks.
 typedef struct Batch {
@@ -103,27 +124,31 @@ static bool leaf_ray(const Meter *m, const Sight *sight, Sampler *sampler, Ray *
                       (row + 0.5 + filter_y) / (double)m->film.height, lens_u, lens_v, ray);
 }
 
-static void take_sample(const Batch *batch, uint32_t replicate, uint32_t number, LeafSums *sums)
+// The sample's value; black where it is bad, which is counted, or not the leaf's object.
+static Rgb take_value(const Batch *batch, Sampler *sampler, LeafSums *sums)
 {
     const Meter *m = batch->meter;
-    Sampler sampler;
-    sampler_start(&sampler, m->seed, replicate, 0, number);
     Ray ray;
     AovSample aov = {.object = 0};
     IntegratorStats stats = {0};
-    if (!leaf_ray(m, &batch->leaf->sight, &sampler, &ray)) {
-        return;
+    if (!leaf_ray(m, &batch->leaf->sight, sampler, &ray)) {
+        return rgb_gray(0);
     }
-    Rgb radiance = m->integrator->radiance(m->world, &ray, &sampler, &aov, &stats);
+    Rgb radiance = m->integrator->radiance(m->world, &ray, sampler, &aov, &stats);
     bool bad = !rgb_is_finite(radiance) || radiance.r < 0 || radiance.g < 0 || radiance.b < 0;
     sums->bad += bad;
     if (bad || (batch->seen && !batch->seen[aov.object])) {
-        return;
+        return rgb_gray(0);
     }
-    radiance = batch->leaf->coverage ? rgb_gray(1) : radiance;
-    sums->sum[0] += (double)radiance.r;
-    sums->sum[1] += (double)radiance.g;
-    sums->sum[2] += (double)radiance.b;
+    return batch->leaf->coverage ? rgb_gray(1) : radiance;
+}
+
+static void take_sample(const Batch *batch, uint32_t replicate, uint32_t number, LeafSums *sums)
+{
+    Sampler sampler;
+    sampler_start(&sampler, batch->meter->seed, replicate, 0, number);
+    Rgb value = take_value(batch, &sampler, sums);
+    add_value(sums, (const double[3]){(double)value.r, (double)value.g, (double)value.b});
 }
 
 static void take_chunk(void *context, uint64_t item, unsigned worker)
@@ -187,11 +212,7 @@ static bool sample_leaf(Meter *m, const MeasureLeaf *leaf, uint32_t from, uint32
         good = !stopped(m);
     }
     for (uint64_t i = 0; good && i < count; ++i) {
-        LeafSums *sum = &sums[i / chunks];
-        for (int c = 0; c < 3; ++c) {
-            sum->sum[c] += parts[i].sum[c];
-        }
-        sum->bad += parts[i].bad;
+        join_sums(&sums[i / chunks], &parts[i]);
     }
     mem_free(parts);
     mem_free(seen);
@@ -273,13 +294,34 @@ static void value_without(Measurement *m, int left_out, double out[3])
     evaluate(m->measure, (const double(*)[3])m->means, m->values, out);
 }
 
+// How far the value may be off because samples are whole ones: see meter.h.
+static void find_grain(Measurement *m, const double whole[3], double grain[3])
+{
+    double off[3];
+    for (uint32_t leaf = 0; leaf < m->measure->leaf_count; ++leaf) {
+        LeafSums all = {0};
+        for (int r = 0; r < METER_REPLICATES; ++r) {
+            join_sums(&all, &m->sums[leaf][r]);
+        }
+        value_without(m, METER_REPLICATES, off);
+        for (int c = 0; c < 3; ++c) {
+            m->means[leaf][c] += 2 * (all.most[c] - all.least[c]) / (double)all.samples;
+        }
+        evaluate(m->measure, (const double(*)[3])m->means, m->values, off);
+        for (int c = 0; c < 3; ++c) {
+            grain[c] += fabs(off[c] - whole[c]);
+        }
+    }
+}
+
 // The jackknife's pseudo-values give the mean and its standard error.
 static void estimate(Measurement *m)
 {
     MeterResult *result = m->result;
-    double whole[3], part[3];
+    double whole[3], part[3], grain[3] = {0};
     Running pseudo[3] = {0};
     value_without(m, METER_REPLICATES, whole);
+    find_grain(m, whole, grain);
     for (int r = 0; r < METER_REPLICATES; ++r) {
         value_without(m, r, part);
         for (int c = 0; c < 3; ++c) {
@@ -289,7 +331,8 @@ static void estimate(Measurement *m)
     double t = student_quantile(m->level, METER_REPLICATES - 1);
     for (uint32_t c = 0; c < result->channels; ++c) {
         result->mean[c] = pseudo[c].mean;
-        result->half[c] = t * running_error(&pseudo[c]) + ROUNDING * fabs(pseudo[c].mean);
+        double error = hypot(running_error(&pseudo[c]), grain[c]);
+        result->half[c] = t * error + ROUNDING * fabs(pseudo[c].mean);
     }
 }
 

@@ -8,6 +8,11 @@
 // overlapping regions may depend on each other. The interval is Student's t with METER_REPLICATES -
 // 1 degrees of freedom.
 //
+// The points of a sequence are so even that where samples take few values (seen or not, reflected
+// or not) all replicates may well have the same mean by chance, and yet not the true one. So no
+// error is taken to be less than twice the samples' range over their number: that of such a mean if
+// one in all replicates were off by one sample.
+//
 // Samples are doubled until the interval lies wholly on one side of what is expected. Looking K
 // times at C channels, each interval has the confidence 1 - α / (K C) (Bonferroni), so that all of
 // a measurement's intervals hold at once with the confidence 1 - α: however often it looks, no more

@@ -36,6 +36,7 @@ void scene_free(Scene *scene)
     array_free(&scene->instances);
     array_free(&scene->meshes);
     array_free(&scene->params);
+    array_free(&scene->bindings);
     array_free(&scene->expectations);
     arena_free(&scene->arena);
     *scene = (Scene){.camera = NONE_ID};

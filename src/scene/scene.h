@@ -81,6 +81,14 @@ typedef struct SceneParam {
 } SceneParam;
 typedef ARRAY(SceneParam) SceneParamArray;
 
+// A material that a `let` of the scene file names: "gold", or "paints[2]" in a list.
+typedef struct SceneBinding {
+    const char *name;
+    uint32_t material;
+    Span at;
+} SceneBinding;
+typedef ARRAY(SceneBinding) SceneBindingArray;
+
 typedef struct Scene {
     const Schema *schema;                 // not owned
     Arena arena;                          // strings, lists, meshes
@@ -94,6 +102,7 @@ typedef struct Scene {
     SceneInstanceArray instances;
     MeshArray meshes;
     SceneParamArray params;
+    SceneBindingArray bindings;         // where they were asked for (lang.h)
     SceneExpectationArray expectations; // in the order in which they were run first
     Sandbox *sandbox;                   // through which files are opened; not owned
     // Pictures that were decoded for an earlier version of the scene; not owned; NULL: none are

@@ -72,4 +72,6 @@ const MaterialClass blinn_phong_material = {
     .sample = sample,
     .albedo = phong_albedo,
     .local = local,
+    .caveat = "the model adds its terms without a bound: diffuse and specular should not exceed 1 "
+              "together",
 };

@@ -113,4 +113,7 @@ const MaterialClass bump_map_material = {
                         "}",
              .finish = finish},
     BENT_FUNCTIONS,
+    .caveat =
+        "a bent normal shows and hides light that the surface doesn't: energy and reciprocity "
+        "hold for its base alone",
 };

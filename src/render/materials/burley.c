@@ -90,4 +90,7 @@ const MaterialClass burley_material = {
     .eval = eval,
     .sample = sample,
     .albedo = albedo,
+    .caveat =
+        "Burley's model isn't energy-conserving by construction: where it is rough and seen at "
+        "a grazing angle, it gives back more than it gets",
 };

@@ -95,4 +95,7 @@ const MaterialClass normal_map_material = {
                         "}",
              .finish = finish},
     BENT_FUNCTIONS,
+    .caveat =
+        "a bent normal shows and hides light that the surface doesn't: energy and reciprocity "
+        "hold for its base alone",
 };

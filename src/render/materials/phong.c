@@ -69,4 +69,6 @@ const MaterialClass phong_material = {
     .sample = sample,
     .albedo = phong_albedo,
     .local = local,
+    .caveat = "the model adds its terms without a bound: diffuse and specular should not exceed 1 "
+              "together",
 };
