@@ -321,8 +321,43 @@ const Analysis *document_analysis(Server *server, Document *document)
     report_free(&document->said);
     if (document->analysis) {
         report_take(&document->said, &document->analysis->lang, NULL);
+        document_excuse(document, &document->said);
     }
     return document->analysis;
+}
+
+static bool declares_at(const Document *document, uint32_t begin)
+{
+    const Survey *survey = document->analysis->survey;
+    const Ast *ast = survey_ast(survey, 0);
+    uint32_t list = ast->nodes.items[ast->root].a;
+    for (uint32_t i = 0; i < ast_list_count(ast, list); ++i) {
+        AstId item = ast_list_items(ast, list)[i];
+        uint8_t tag = ast->nodes.items[item].tag;
+        if ((tag == AST_LET || tag == AST_FN || tag == AST_PARAM || tag == AST_IMPORT) &&
+            survey_name_span(survey, 0, item).begin == begin) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void document_excuse(const Document *document, Report *report)
+{
+    if (!document->analysis || emits(document)) {
+        return;
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < report->items.count; ++i) {
+        ReportItem item = report->items.items[i];
+        bool excused = item.code == W0301 && item.at.path &&
+                       strcmp(item.at.path, document->real) == 0 &&
+                       declares_at(document, item.at.begin);
+        if (!excused) {
+            report->items.items[kept++] = item;
+        }
+    }
+    report->items.count = kept;
 }
 
 // --- Tokens --------------------------------------------------------------------------------------

@@ -167,6 +167,8 @@ static void take_report(Server *server, Document *document, Str bytes)
         tell_others(server, &document->found);
         report_free(&document->found);
         document->found = report;
+        document_analysis(server, document);
+        document_excuse(document, &document->found);
         keep_new(document);
         tell_others(server, &document->found);
         document->is_told = false;

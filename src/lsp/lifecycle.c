@@ -175,7 +175,9 @@ void life_initialized(Server *server, const cJSON *params)
         return;
     }
     cJSON *watchers = cJSON_CreateArray(), *watcher = cJSON_CreateObject();
-    cJSON_AddStringToObject(watcher, "globPattern", "**/*");
+    cJSON_AddStringToObject(
+        watcher, "globPattern",
+        "**/*.{scn,png,jpg,jpeg,exr,hdr,tif,tiff,webp,ply,obj,stl,gltf,glb,ies}");
     cJSON_AddItemToArray(watchers, watcher);
     cJSON *options = cJSON_CreateObject(), *registration = cJSON_CreateObject();
     cJSON_AddItemToObject(options, "watchers", watchers);

@@ -74,6 +74,10 @@ void document_file_changed(Server *server, const char *path);
 const Analysis *document_analysis(Server *server, Document *document);
 const DocumentTokens *document_tokens(Server *server, Document *document);
 
+// Takes warnings of names that aren't used out of the report of a file that emits nothing: it is
+// there to be imported, or only begun.
+void document_excuse(const Document *document, Report *report);
+
 // Opens the sandbox for a document: its folder, the host's folders, and, for files that emit
 // nothing and so are there to be imported, the workspace.
 void document_sandbox(Server *server, const Document *document, Sandbox *sandbox);

@@ -91,6 +91,16 @@ test('unused names are marked unnecessary; warnings are warnings', async () => {
   await client.stop();
 });
 
+test('what a file declares to be imported may be unused there', async () => {
+  const client = await new Client().start();
+  await client.open('lib.scn', 'let a = 1\nfn f(x) { let inner = 2  sphere { radius: x } }\n');
+  const list = await client.current('lib.scn', (items) => items.length > 0);
+  assert.deepEqual(list.map((item) => [item.code, item.range.start.line]), [['W0301', 1]]);
+  await client.change('lib.scn', [{ text: 'let a = 1\nsphere {}\n' }]);
+  assert.deepEqual(codes(await client.current('lib.scn', (items) => items.length > 0)), ['W0301']);
+  await client.stop();
+});
+
 test('positions are bytes where the client can count them', async () => {
   const general = { positionEncodings: ['utf-8', 'utf-16'] };
   const client = await new Client({ capabilities: { ...CAPABILITIES, general } }).start();

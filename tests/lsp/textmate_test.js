@@ -124,6 +124,9 @@ test('the names that the grammars list are the program\'s', () => {
   assert.deepEqual(words(/unit: \(\) =>\s*token\.immediate\(choice\(([^)]*)/.exec(treeSitter)[1]), units);
   const tm = textmate.word.patterns.flatMap((pattern) => inside(pattern.match, /\)\(([\w|]+)\)/));
   assert.deepEqual([...new Set(tm)].sort(), keywords);
+  const kate = read('editors/kate/scn.xml');
+  assert.deepEqual(all(kate, /<item>(\w+)<\/item>/g), keywords);
+  assert.deepEqual(inside(kate, /"\((deg[\w|]+)\)/), units);
   const vimWords = all(vim, /^syntax keyword scn(?!Constant|Todo)\w+ (.*)$/gm).flatMap((line) => line.split(' '));
   assert.deepEqual(vimWords.sort(), keywords);
 });
