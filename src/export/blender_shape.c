@@ -257,6 +257,12 @@ static void write_shape(const Blender *b, uint32_t id, const char *indent)
     const Affine *map = export_transform(e, node->transform);
     uint32_t light = blender_light_of_shape(b, id);
     bool shines = light != NONE_ID || blender_emits(b, node->material);
+    if (shines && (scene_node_type(e->scene, node)->mesh || export_is(e, node, "triangle") ||
+                   export_is(e, node, "box"))) {
+        export_note(e, node->at,
+                    "a lamp of triangles: Cycles samples large ones up to 1 %% too dark "
+                    "where they are seen flat");
+    }
     // A lamp's power is spread over the mesh itself.
     bool unit_sphere = export_is(e, node, "sphere") && light == NONE_ID &&
                        !blender_uses_object_space(b, node->material);

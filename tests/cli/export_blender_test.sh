@@ -63,6 +63,15 @@ if command -v python3 >/dev/null; then
 for name in sys.argv[1:]:
     ast.parse(open(name, encoding="utf-8").read(), name)' ./*.py || fail "not Python"
 fi
+# What it says runs in Blender, where there is one.
+if command -v blender >/dev/null && [ -z "$SANITIZE" ]; then
+    last="blender -P all.py"
+    HOME=$work blender -b --factory-startup --python-exit-code 1 -P all.py -- --output all_{seed}.exr \
+        --samples 2 --seeds 3,4 >log 2>&1 || { fail "$last"; tail -20 log >&2; }
+    [ -s all_3.exr ] && [ -s all_4.exr ] || fail "$last: no pictures"
+    HOME=$work blender -b --factory-startup --python-exit-code 1 -P all.py -- --outptu all.exr >log 2>&1
+    expect_text log 'usage: blender'
+fi
 run export --to blender wrong.scn -o wrong.py
 expect_code 1
 [ ! -e wrong.py ] || fail "a wrong scene was exported"

@@ -114,6 +114,34 @@ class Comments(unittest.TestCase):
             self.read("//@ povray agree\n")
 
 
+class CommandLine(unittest.TestCase):
+    def run_compare(self, *arguments):
+        return subprocess.run([sys.executable, os.path.join(ROOT, "compare/compare"), *arguments],
+                              capture_output=True, text=True, check=False)
+
+    def test_wrong_use(self):
+        for arguments in ((), ("--seeds", "1", "a.scn"), ("--only", "mitsuba", "a.scn")):
+            self.assertEqual(self.run_compare(*arguments).returncode, 2)
+
+    def test_a_scene_that_is_not_there(self):
+        done = self.run_compare("nowhere.scn")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("nowhere.scn", done.stderr)
+        self.assertNotIn("Traceback", done.stderr)
+
+    def test_every_scene_says_what_must_agree_or_why_not(self):
+        folder = os.path.join(ROOT, "compare/scenes")
+        scenes = [Directives(os.path.join(folder, name)) for name in sorted(os.listdir(folder))
+                  if name.endswith(".scn")]
+        self.assertGreaterEqual(len(scenes), 20)
+        for scene in scenes:
+            self.assertTrue(scene.title, scene.name)
+            for partner, wish in scene.wishes.items():
+                self.assertTrue(wish.agrees is not None or wish.differs, f"{scene.name}: {partner}")
+            self.assertTrue(any(wish.agrees is not None for wish in scene.wishes.values()),
+                            scene.name)
+
+
 def pfm(path, rows):
     """Little-endian floats, the bottom row first."""
     with open(path, "wb") as file:
