@@ -168,6 +168,9 @@ static void hint_unit(Hints *h, AstId id)
                                                                 : NULL;
     Str text = tree_text(h->analysis, 0);
     char label[60];
+    if (quantity.value == 1) {
+        return; // a unit, to divide by
+    }
     if (unit) {
         snprintf(label, sizeof label, "≙ %.4g %s", quantity.value / LUMENS_PER_WATT, unit);
         add_hint(h, node->end, HINT_TYPE, label, "of white light: divided by 683 lm/W");
