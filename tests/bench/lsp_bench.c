@@ -4,7 +4,8 @@
 // usage: lsp_bench SCNRENDER [LINES] [KEYS]
 //
 // Times are from writing the message to having read the answer: for a key, until its diagnostics
-// have arrived. --check M: exit with 1 where the median of a key is above M milliseconds.
+// have arrived. --check M: only the keys; exit with 1 where one takes more than M milliseconds of
+// the processor (which other work on the machine doesn't change).
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
@@ -279,9 +280,9 @@ static double type_keys(Peer *peer, int lines, int keys, double *times)
         }
     }
     double spent = processor_time(peer->process) - before;
-    double median = report("a key, until its diagnostics", times, keys, 0);
+    report("a key, until its diagnostics", times, keys, 0);
     printf("%-34s mean   %7.2f ms of the processor\n", "", spent / keys);
-    return median;
+    return spent / keys;
 }
 
 static void ask(Peer *peer, int lines, const Question *question, double *times)
@@ -340,12 +341,12 @@ int main(int argc, char **argv)
     await(&peer, "\"version\":1,");
     times[0] = now() - begin;
     report("opening, until its diagnostics", times, 1, 0);
-    double median = type_keys(&peer, lines, keys, times);
+    double key = type_keys(&peer, lines, keys, times);
     send_text(&peer,
               "{\"jsonrpc\":\"2.0\",\"id\":2,\"method\":\"textDocument/semanticTokens/full\","
               "\"params\":{\"textDocument\":{\"uri\":\"file:///tmp/bench.scn\"}}}");
     await(&peer, "\"id\":2,");
-    for (size_t i = 0; i < sizeof questions / sizeof *questions; ++i) {
+    for (size_t i = 0; most <= 0 && i < sizeof questions / sizeof *questions; ++i) {
         ask(&peer, lines, &questions[i], times);
     }
     send_text(&peer, "{\"jsonrpc\":\"2.0\",\"id\":3,\"method\":\"shutdown\"}");
@@ -354,7 +355,7 @@ int main(int argc, char **argv)
     waitpid(peer.process, NULL, 0);
     free(open);
     free(peer.bytes);
-    if (most > 0 && median > most) {
+    if (most > 0 && key > most) {
         printf("a key takes more than %.0f ms\n", most);
         return 1;
     }
