@@ -181,7 +181,7 @@ def page(results, versions):
     wrong = sum(bool(part["wrong"]) for result in results for part in result["partners"].values())
     asked = sum(part["must_agree"] is not None for result in results
                 for part in result["partners"].values())
-    word = f"All {asked} that must agree do." if not wrong else f"{wrong} of {asked} that must agree don't."
+    word = f"{asked - wrong} of {asked} that must agree do."
     with open(os.path.join(HERE, "report.css"), encoding="utf-8") as file:
         style = file.read()
     with open(os.path.join(HERE, "report.js"), encoding="utf-8") as file:

@@ -73,14 +73,16 @@ def judge(wish, partner, figures):
 
 
 def figures_to_keep(results):
-    """{scene: {partner: {"percent": …, "regions": {name: [ratio, error]}}}}"""
+    """{scene: {partner: {"percent": …, "regions": {name: [ratio, error]}}}}; regions called by their line
+    are left out, since lines move."""
     kept = {}
     for result in results:
         kept[result["name"]] = {
             partner: {
                 "percent": round(part["agree"]["percent"], 4),
                 "regions": {row["name"]: [round(row["ratio"], 7), round(row["error"], 7)]
-                            for row in part["rows"] if row["ratio"] is not None}}
+                            for row in part["rows"]
+                            if row["ratio"] is not None and ".scn:" not in row["name"]}}
             for partner, part in result["partners"].items()}
     return kept
 
