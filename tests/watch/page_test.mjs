@@ -97,6 +97,18 @@ test("switch, colour, choice and vector", async () => {
   await until("the scene's own", async () => Object.keys((await state()).view.settings).length === 0);
 });
 
+test("what is being typed is left alone by what changes meanwhile", async () => {
+  const typed = page.locator("#param-size-n");
+  await typed.fill("1.5");
+  await fetch(watched.address + "set?name=tint&value=warm", { method: "POST" });
+  await until("the other setting", async () => (await page.locator("#param-tint").inputValue()) === "warm");
+  assert.equal(await typed.inputValue(), "1.5");
+  await typed.press("Enter");
+  await until("the setting", async () => (await state()).view.settings.size === "1.5m");
+  await page.locator("#reset-params").click();
+  await until("the scene's own", async () => Object.keys((await state()).view.settings).length === 0);
+});
+
 test("an error shows, the picture stays, and it heals", async () => {
   await shown();
   fs.writeFileSync(file, scene.replace("radius: size", "radus: size"));

@@ -119,7 +119,9 @@ export function showParams(params) {
   for (const param of params) {
     const { show, field } = controls.get(param.name);
     // What is being typed or dragged knows better.
-    if (!field.contains(document.activeElement) || !document.activeElement.matches(":active, [type=text]:focus")) show(param.value);
+    const active = document.activeElement;
+    const busy = field.contains(active) && active.matches("input[type=number], input[type=text], :active");
+    if (!busy) show(param.value);
   }
 }
 
