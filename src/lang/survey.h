@@ -49,8 +49,8 @@ Span survey_name_span(const Survey *survey, uint32_t file, AstId item);
 Str survey_name(const Survey *survey, uint32_t file, AstId item);
 // The value of a NUMBER in SI, with its dimension.
 Quantity survey_number(const Survey *survey, uint32_t file, AstId node);
-// The linear components of a color that is written out: a COLOR, or a CALL of a built-in function of
-// colors whose arguments are numbers written out. False for anything else, and for mistakes.
+// The linear components of a color that is written out: a COLOR, or a CALL of a built-in function
+// of colors whose arguments are numbers written out. False for anything else, and for mistakes.
 bool survey_color(const Survey *survey, uint32_t file, AstId node, double color[3]);
 // A FIELD of a KIND (see schema.h): its parameter, or NULL and *common, or NULL and 0 for `items`,
 // `of` and unknown ones.
