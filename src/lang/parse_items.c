@@ -463,9 +463,7 @@ static AstId parse_field_value(Parser *p, const Token *name)
 // One of the things in a kind's braces, or in those of `with`.
 static AstId parse_field_or_item(Parser *p, BodyKind kind)
 {
-    bool reserved =
-        p->token.kind >= TOKEN_IMPORT && p->token.kind <= TOKEN_NOT && lexer_peek(&p->lexer) == ':';
-    if (reserved) {
+    if (parse_at_reserved_word(p) && lexer_peek(&p->lexer) == ':') {
         parse_error(p, E0207, parse_token_span(p), "%s is a reserved word and can't be a name",
                     parse_found(p).text);
     } else if (!parse_at(p, TOKEN_NAME)) {

@@ -1,4 +1,5 @@
 // The parser's house-keeping: tokens, errors, recovery, nodes.
+#include "lang/lexer_internal.h"
 #include "lang/parser_internal.h"
 
 #include <stdarg.h>
@@ -88,9 +89,10 @@ void parse_give_up(Parser *p)
     p->token.begin = p->token.end = (uint32_t)(p->lexer.end - p->lexer.begin);
 }
 
-static bool is_keyword(uint8_t kind)
+bool parse_at_reserved_word(const Parser *p)
 {
-    return kind >= TOKEN_IMPORT && kind <= TOKEN_NOT;
+    return p->token.kind >= TOKEN_IMPORT && p->token.kind <= TOKEN_NOT &&
+           char_is(p->lexer.begin[p->token.begin], CHAR_LETTER);
 }
 
 Symbol parse_name(Parser *p, const char *what)
@@ -99,7 +101,7 @@ Symbol parse_name(Parser *p, const char *what)
         return 0;
     }
     if (!parse_at(p, TOKEN_NAME)) {
-        if (!is_keyword(p->token.kind) || p->token.on_new_line) {
+        if (!parse_at_reserved_word(p) || p->token.on_new_line) {
             parse_expected(p, what);
             return 0;
         }

@@ -80,6 +80,8 @@ TokenText parse_found(const Parser *p);
 // Stops reading: the rest of the file would only give further errors.
 void parse_give_up(Parser *p);
 
+// A reserved word; not `!`, `&&` or `||`, which the lexer has reported and taken for one.
+bool parse_at_reserved_word(const Parser *p);
 // A name. A reserved word is reported and taken as one. 0 after an error.
 Symbol parse_name(Parser *p, const char *what);
 // Behind the name that began at byte `begin`; where the name was missing, `begin` itself.
