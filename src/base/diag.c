@@ -77,7 +77,7 @@ static const char *format_text(DiagSink *sink, const char *format, va_list argum
     return text;
 }
 
-static bool is_kept(const DiagSink *sink, const Diag *diag)
+bool diag_is_kept(const DiagSink *sink, const Diag *diag)
 {
     return diag != &sink->spare;
 }
@@ -158,7 +158,7 @@ Diag *diag_report(DiagSink *sink, DiagCode code, Span at, const char *format, ..
                                    .at = at,
                                    .message = infos[code].title,
                                    .frames = sink->frames});
-    if (is_kept(sink, diag)) {
+    if (diag_is_kept(sink, diag)) {
         va_list arguments;
         va_start(arguments, format);
         const char *message = format_text(sink, format, arguments);
@@ -170,7 +170,7 @@ Diag *diag_report(DiagSink *sink, DiagCode code, Span at, const char *format, ..
 
 void diag_label(DiagSink *sink, Diag *diag, const char *format, ...)
 {
-    if (!is_kept(sink, diag)) {
+    if (!diag_is_kept(sink, diag)) {
         return;
     }
     va_list arguments;
@@ -181,7 +181,7 @@ void diag_label(DiagSink *sink, Diag *diag, const char *format, ...)
 
 void diag_note(DiagSink *sink, Diag *diag, const char *format, ...)
 {
-    if (!is_kept(sink, diag)) {
+    if (!diag_is_kept(sink, diag)) {
         return;
     }
     DiagNote *note = allocate(sink, sizeof *note);
@@ -201,7 +201,7 @@ void diag_note(DiagSink *sink, Diag *diag, const char *format, ...)
 
 void diag_suggest(DiagSink *sink, Diag *diag, Span at, const char *text)
 {
-    if (!is_kept(sink, diag)) {
+    if (!diag_is_kept(sink, diag)) {
         return;
     }
     size_t size = strlen(text) + 1;
@@ -219,7 +219,7 @@ void diag_suggest(DiagSink *sink, Diag *diag, Span at, const char *text)
 // Frames of one diagnostic go before the chain that the sink puts on all.
 void diag_frame(DiagSink *sink, Diag *diag, Span at, const char *format, ...)
 {
-    if (!is_kept(sink, diag)) {
+    if (!diag_is_kept(sink, diag)) {
         return;
     }
     DiagFrame *frame = allocate(sink, sizeof *frame);

@@ -86,6 +86,9 @@ void diag_sink_free(DiagSink *sink);
 // and not counted. None of these functions uses the arena's jump.
 Diag *diag_report(DiagSink *sink, DiagCode code, Span at, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+// False for the spare one: then finding out what to suggest is lost time. (A mebibyte can hold half
+// a million errors.)
+bool diag_is_kept(const DiagSink *sink, const Diag *diag);
 void diag_label(DiagSink *sink, Diag *diag, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void diag_note(DiagSink *sink, Diag *diag, const char *format, ...)

@@ -7,6 +7,8 @@ enum {
     TAB_STOP = 4,
     LINE_COLUMNS = 160, // of a source line, most that are shown
     LEAD_COLUMNS = 60,  // of them before the span, where the line is cut
+    LEAD_BYTES = 500,   // that are looked at for them; characters of no width may be among them
+    LINE_BYTES = 4000,  // of a line from there on, most that are looked at
     FRAMES_FIRST = 8,   // of a long chain, what is shown at its inner …
     FRAMES_LAST = 4,    // … and at its outer end
 };
@@ -169,12 +171,50 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t';
 }
 
+static bool inside_character(char c)
+{
+    return ((unsigned char)c & 0xc0) == 0x80;
+}
+
+// Cuts a line of a million bytes down to those near the span [*begin, *end), which it moves along;
+// true where bytes before or behind it are gone.
+static bool cut_before(Str *line, size_t *begin, size_t *end)
+{
+    if (*begin <= (size_t)LINE_BYTES || line->length <= (size_t)LINE_BYTES) {
+        return false;
+    }
+    size_t skip = (*begin < line->length ? *begin : line->length) - LEAD_BYTES;
+    for (int i = 0; i < 3 && inside_character(line->at[skip]); ++i) {
+        --skip;
+    }
+    *line = (Str){line->at + skip, line->length - skip};
+    *begin -= skip;
+    *end -= skip;
+    return true;
+}
+static bool cut_behind(Str *line, size_t begin, size_t *end)
+{
+    size_t most = begin + LINE_BYTES;
+    if (line->length <= most) {
+        return false;
+    }
+    for (int i = 0; i < 3 && inside_character(line->at[most]); ++i) {
+        --most;
+    }
+    line->length = most;
+    *end = *end < most ? *end : most;
+    return true;
+}
+
 // A source line with carets under its bytes [begin, end), and the label.
 static void put_marked_line(const Printer *p, const Diag *diag, uint32_t number, size_t begin,
                             size_t end, const char *label)
 {
     Str line = source_line(p->sources, diag->at.file, number);
-    while (line.length > end && line.length > begin && is_blank(line.at[line.length - 1])) {
+    bool more_before = cut_before(&line, &begin, &end);
+    bool more_behind = cut_behind(&line, begin, &end);
+    while (!more_behind && line.length > end && line.length > begin &&
+           is_blank(line.at[line.length - 1])) {
         --line.length;
     }
     long from = columns_of(line, begin), to = columns_of(line, end);
@@ -183,23 +223,24 @@ static void put_marked_line(const Printer *p, const Diag *diag, uint32_t number,
     }
     to = to > from ? to : from + 1;
     long whole = columns_of(line, line.length), first = 0;
-    if (whole > LINE_COLUMNS && to > LINE_COLUMNS - 20) {
+    if (more_before || (whole > LINE_COLUMNS && to > LINE_COLUMNS - 20)) {
         first = from > LEAD_COLUMNS ? from - LEAD_COLUMNS : 0;
     }
     long last = first + LINE_COLUMNS < whole ? first + LINE_COLUMNS : whole;
     if (to > last && last < whole) {
         to = last;
     }
-    const char *lead = first ? "… " : "";
+    bool cut = first > 0 || more_before;
+    more_behind = more_behind || last < whole;
     put_gutter(p, number);
     if (last > first) {
-        fprintf(p->out, " %s", lead);
+        fputs(cut ? " … " : " ", p->out);
         put_columns(p, line, first, last);
-        fputs(last < whole ? " …" : "", p->out);
+        fputs(more_behind ? " …" : "", p->out);
     }
     putc('\n', p->out);
     put_gutter(p, 0);
-    put_spaces(p->out, 1 + (first ? 2 : 0) + from - first);
+    put_spaces(p->out, 1 + (cut ? 2 : 0) + from - first);
     style(p, severity_style(diag->severity));
     for (long i = from; i < to; ++i) {
         putc('^', p->out);

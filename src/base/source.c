@@ -13,6 +13,7 @@ void sources_free(Sources *sources)
     for (uint32_t i = 1; i <= sources->count; ++i) {
         Source *source = &sources->items[i];
         mem_free(source->lines);
+        mem_free(source->marks);
         if (source->release) {
             source->release(source->text);
         }
@@ -98,6 +99,57 @@ static uint32_t count_characters(const char *at, const char *end)
     return count;
 }
 
+// A file may be one line of millions of characters, with as many places to be told: so the
+// characters before every thousandth byte or so are counted once.
+enum { MARK_EVERY = 1024 };
+
+typedef struct SourceMark {
+    uint32_t offset, characters; // characters that begin before `offset`, where one begins
+} SourceMark;
+
+static bool mark_characters(Source *source)
+{
+    if (source->marks) {
+        return true;
+    }
+    const char *begin = source->text.at, *end = begin + source->text.length;
+    SourceMark *marks = mem_alloc(source->text.length / MARK_EVERY + 1, sizeof *marks);
+    if (!marks) {
+        return false;
+    }
+    uint32_t count = 0, characters = 0;
+    for (const char *at = begin; at < end; ++characters) {
+        uint32_t code, offset = (uint32_t)(at - begin);
+        if (offset >= count * MARK_EVERY) {
+            marks[count++] = (SourceMark){offset, characters};
+        }
+        at += utf8_decode(at, end, &code);
+    }
+    source->marks = marks;
+    source->mark_count = count;
+    return true;
+}
+
+static uint32_t characters_before(const Source *source, uint32_t offset)
+{
+    // A mark lies at most three bytes behind its multiple of MARK_EVERY.
+    uint32_t i = offset / MARK_EVERY;
+    i = i < source->mark_count ? i : source->mark_count - 1;
+    i -= i > 0 && source->marks[i].offset > offset;
+    SourceMark mark = source->marks[i];
+    const char *text = source->text.at;
+    return mark.characters + count_characters(text + mark.offset, text + offset);
+}
+
+// Characters of a line from its start to `offset`.
+static uint32_t characters_of_line(Source *source, uint32_t start, uint32_t offset)
+{
+    if (offset - start > 4 * MARK_EVERY && mark_characters(source)) {
+        return characters_before(source, offset) - characters_before(source, start);
+    }
+    return count_characters(source->text.at + start, source->text.at + offset);
+}
+
 Place source_place(Sources *sources, uint32_t file, uint32_t offset)
 {
     if (!source_get(sources, file)) {
@@ -119,8 +171,7 @@ Place source_place(Sources *sources, uint32_t file, uint32_t offset)
             }
         }
     }
-    const char *text = source->text.at;
-    return (Place){line + 1, count_characters(text + start, text + offset) + 1};
+    return (Place){line + 1, characters_of_line(source, start, offset) + 1};
 }
 
 Str source_line(Sources *sources, uint32_t file, uint32_t line)

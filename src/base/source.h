@@ -17,6 +17,8 @@ typedef struct Source {
     Span imported_at; // the import that first brought it; file = 0 for the scene itself
     uint32_t *lines;  // byte offset of each line's start, made on first need
     uint32_t line_count;
+    struct SourceMark *marks; // where characters were counted up to; for long lines, on first need
+    uint32_t mark_count;
     void (*release)(Str text); // how sources_free gives the text back; NULL: it isn't owned
 } Source;
 

@@ -106,17 +106,24 @@ Str symbol_name(const Interner *interner, Symbol symbol)
 size_t str_distance(Str a, Str b, size_t limit)
 {
     enum { LONGEST = 64 };
-    if (a.length > LONGEST || b.length > LONGEST) {
+    size_t least = a.length > b.length ? a.length - b.length : b.length - a.length;
+    if (a.length > LONGEST || b.length > LONGEST || least > limit) {
         return limit + 1;
     }
-    size_t rows[3][LONGEST + 1];
+    // Only cells within `limit` of the diagonal can hold a distance of at most `limit` (E. Ukkonen,
+    // Algorithms for approximate string matching, 1985); those beside them count as beyond it.
+    size_t rows[3][LONGEST + 2];
     size_t *before = rows[0], *last = rows[1], *row = rows[2];
-    for (size_t j = 0; j <= b.length; ++j) {
-        last[j] = j;
+    for (size_t j = 0; j <= LONGEST + 1; ++j) {
+        rows[0][j] = rows[2][j] = limit + 1;
+        rows[1][j] = j;
     }
     for (size_t i = 1; i <= a.length; ++i) {
-        row[0] = i;
-        for (size_t j = 1; j <= b.length; ++j) {
+        size_t from = i > limit + 1 ? i - limit : 1,
+               to = i + limit < b.length ? i + limit : b.length;
+        row[from - 1] = from == 1 ? i : limit + 1;
+        size_t nearest = row[from - 1];
+        for (size_t j = from; j <= to; ++j) {
             size_t best = last[j - 1] + (a.at[i - 1] != b.at[j - 1]);
             if (last[j] + 1 < best) {
                 best = last[j] + 1;
@@ -129,6 +136,11 @@ size_t str_distance(Str a, Str b, size_t limit)
                 best = before[j - 2] + 1;
             }
             row[j] = best;
+            nearest = best < nearest ? best : nearest;
+        }
+        row[to + 1] = limit + 1;
+        if (nearest > limit + 1) { // the row above was beyond it, too, so no swap leads back
+            return limit + 1;
         }
         size_t *spare = before;
         before = last;
@@ -136,4 +148,9 @@ size_t str_distance(Str a, Str b, size_t limit)
         row = spare;
     }
     return last[b.length] <= limit ? last[b.length] : limit + 1;
+}
+
+size_t str_suggestion_limit(Str name)
+{
+    return name.length < 4 ? 1 : name.length < 6 ? 2 : name.length < 15 ? name.length / 3 : 5;
 }

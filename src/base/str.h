@@ -52,5 +52,8 @@ Str symbol_name(const Interner *interner, Symbol symbol);
 
 // Damerau-Levenshtein distance of two names, for suggestions; at most `limit` + 1.
 size_t str_distance(Str a, Str b, size_t limit);
+// How far a name may lie from a suggestion for it: a third of its letters, but few for short names
+// and no more than five.
+size_t str_suggestion_limit(Str name);
 
 #endif

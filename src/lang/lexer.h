@@ -103,6 +103,9 @@ typedef struct Lexer {
     AstCommentArray *comments; // where comments are kept; NULL: nowhere
     jmp_buf *on_oom;           // taken when memory runs out
     ARRAY(char) scratch;       // a string being unescaped
+    // What was found last when looking ahead: the end of the line, and the next closing quote of
+    // each kind. A line of a million opening ones isn't searched a million times.
+    const char *line_end, *closing[6];
     NameSlot slots[NAME_SLOTS];
     struct {
         uint32_t key;   // up to 4 bytes, padded with zeros

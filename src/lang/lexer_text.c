@@ -61,6 +61,18 @@ static bool look_alike(Lexer *lexer, Token *token, const LookAlike *found)
     return found->kind != TOKEN_END;
 }
 
+// The first place at or behind `at` where `what` stands, or the end of the text; *last is what was
+// found before, and serves as long as it lies ahead.
+static const char *look_ahead(const Lexer *lexer, const char *at, const char *what,
+                              const char **last)
+{
+    if (!*last || *last < at) {
+        const char *found = memmem(at, (size_t)(lexer->end - at), what, strlen(what));
+        *last = found ? found : lexer->end;
+    }
+    return *last;
+}
+
 // A string in other quotes: read up to the closing one on the line.
 static bool other_quotes(Lexer *lexer, Token *token)
 {
@@ -72,22 +84,23 @@ static bool other_quotes(Lexer *lexer, Token *token)
         {"\xe2\x80\x99", "\xe2\x80\x99"}, // ’ ’
         {"`", "`"},
     };
-    const char *newline = memchr(lexer->at, '\n', (size_t)(lexer->end - lexer->at));
-    const char *line_end = newline ? newline : lexer->end;
+    _Static_assert(sizeof pairs / sizeof *pairs == sizeof lexer->closing / sizeof *lexer->closing,
+                   "one for each pair");
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; ++i) {
-        size_t length = strlen(pairs[i][0]), closing = strlen(pairs[i][1]);
-        if ((size_t)(line_end - lexer->at) < length ||
+        size_t length = strlen(pairs[i][0]);
+        if ((size_t)(lexer->end - lexer->at) < length ||
             memcmp(lexer->at, pairs[i][0], length) != 0) {
             continue;
         }
         const char *text = lexer->at + length;
-        const char *stop = memmem(text, (size_t)(line_end - text), pairs[i][1], closing);
-        const char *end = stop ? stop + closing : text;
+        const char *stop = look_ahead(lexer, text, pairs[i][1], &lexer->closing[i]);
+        bool closed = stop < look_ahead(lexer, text, "\n", &lexer->line_end);
+        const char *end = closed ? stop + strlen(pairs[i][1]) : text;
         diag_report(lexer->sink, E0103, lexer_span(lexer, lexer->at, end),
                     "a string stands in double quotes: \"…\"");
         lexer->at = end;
         token->kind = TOKEN_ERROR;
-        if (stop) {
+        if (closed) {
             token->kind = TOKEN_STRING;
             token->symbol = lexer_intern(lexer, text, stop);
         }

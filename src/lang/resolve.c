@@ -51,9 +51,9 @@ static void report_unknown_name(Resolver *r, AstId id, Symbol name)
         Span end = span_at(r, id);
         end.begin = end.end;
         diag_suggest(ev->sink, diag, end, " {}");
-        return;
+    } else if (diag_is_kept(ev->sink, diag)) {
+        suggest(r, diag, span_at(r, id), scope_suggest(r, text));
     }
-    suggest(r, diag, span_at(r, id), scope_suggest(r, text));
 }
 
 static void resolve_to_binding(Resolver *r, AstNode *node, const Binding *binding)
@@ -144,7 +144,9 @@ static void resolve_global_member(Resolver *r, AstId id, Symbol space)
     at.begin = at.end - (uint32_t)text.length;
     Diag *diag =
         report(ev, E0308, at, "`%s` has no name `%s`", symbol_name(ev->names, space).at, text.at);
-    suggest(r, diag, at, suggest_global(r, module, text));
+    if (diag_is_kept(ev->sink, diag)) {
+        suggest(r, diag, at, suggest_global(r, module, text));
+    }
 }
 
 static void resolve_member(Resolver *r, AstId id)
@@ -586,10 +588,14 @@ static void index_globals(Resolver *r)
     module->global_mask = size - 1;
     for (uint32_t i = 0; i < module->globals.count; ++i) {
         uint32_t at = hash_u32(module->globals.items[i].name) & module->global_mask;
-        while (module->global_slots[at]) {
+        Symbol name = module->globals.items[i].name;
+        while (module->global_slots[at] &&
+               module->globals.items[module->global_slots[at] - 1].name != name) {
             at = (at + 1) & module->global_mask;
         }
-        module->global_slots[at] = i + 1;
+        if (!module->global_slots[at]) { // else it is declared twice, which was reported
+            module->global_slots[at] = i + 1;
+        }
     }
 }
 

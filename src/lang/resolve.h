@@ -36,7 +36,12 @@ typedef struct Resolver {
     uint32_t next_slot; // of the frame at hand
     uint16_t frame, function;
     uint32_t scope, scope_count;
+    uint32_t comparisons; // of names for suggestions, so far
 } Resolver;
+
+// Of one file. Enough for dozens of wrong names among ten thousand; a file of more than that gets
+// its other diagnostics without suggestions, rather than much later.
+enum { MOST_COMPARISONS = 400000 };
 
 typedef struct ScopeMark {
     uint32_t bindings;
@@ -50,7 +55,8 @@ void scope_end(Resolver *r, ScopeMark mark);
 Binding *scope_declare(Resolver *r, Symbol name, BindingKind kind, AstId item, Span at);
 // The binding that `name` means here, now counted as used; or NULL.
 Binding *scope_find(Resolver *r, Symbol name);
-// The nearest visible name, built-ins included; an empty one where none is near.
-Str scope_suggest(const Resolver *r, Str name);
+// The nearest visible name, built-ins included; an empty one where none is near, or where too many
+// were looked for.
+Str scope_suggest(Resolver *r, Str name);
 
 #endif

@@ -148,11 +148,12 @@ Binding *scope_find(Resolver *r, Symbol name)
     return &r->bindings[found];
 }
 
-Str scope_suggest(const Resolver *r, Str name)
+Str scope_suggest(Resolver *r, Str name)
 {
     Str best = {0};
     size_t distance = SIZE_MAX;
-    for (uint32_t i = r->binding_count; i-- > 1;) {
+    for (uint32_t i = r->binding_count; i-- > 1 && r->comparisons < MOST_COMPARISONS;) {
+        ++r->comparisons;
         suggest_name(name, symbol_name(r->ev->names, r->bindings[i].name), &best, &distance);
     }
     for (uint32_t i = 0; i < builtin_count; ++i) {

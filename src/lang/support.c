@@ -92,7 +92,7 @@ bool count_step(Eval *ev, Span at)
 
 void suggest_name(Str name, Str candidate, Str *best, size_t *distance)
 {
-    size_t limit = name.length < 6 ? 1 + (name.length > 3) : name.length / 3;
+    size_t limit = str_suggestion_limit(name);
     size_t found = str_distance(name, candidate, limit);
     size_t shorter = name.length < candidate.length ? name.length : candidate.length;
     if (found > limit && shorter >= 3 && memcmp(name.at, candidate.at, shorter) == 0) {

@@ -159,7 +159,7 @@ static bool suggestion_begin(Suggestion *suggestion, Str name)
         suggestion->lowered[i] = (char)tolower((unsigned char)name.at[i]);
     }
     suggestion->name = (Str){suggestion->lowered, name.length};
-    suggestion->limit = name.length < 6 ? 1 + (name.length > 3) : name.length / 3;
+    suggestion->limit = str_suggestion_limit(name);
     suggestion->distance = suggestion->limit + 1;
     suggestion->best = NULL;
     return true;
