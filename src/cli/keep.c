@@ -82,8 +82,8 @@ int keep_resume(const Options *options, Renderer *renderer, bool *resumed)
     }
 }
 
-int keep_save(const Options *options, const Renderer *renderer, CheckpointTexts notes,
-              char *message, size_t message_size)
+int keep_save(const Options *options, Renderer *renderer, CheckpointTexts notes, char *message,
+              size_t message_size)
 {
     return renderer_save(renderer, notes, options->checkpoint, message, message_size) ? EXIT_OK
                                                                                       : EXIT_FILES;

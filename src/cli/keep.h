@@ -14,8 +14,8 @@ int keep_check(const Options *options);
 // ExitCode, after a message if it isn't EXIT_OK.
 int keep_resume(const Options *options, Renderer *renderer, bool *resumed);
 // Writes it, with notes for `scnrender merge`. EXIT_OK, or EXIT_FILES with a message.
-int keep_save(const Options *options, const Renderer *renderer, CheckpointTexts notes,
-              char *message, size_t message_size);
+int keep_save(const Options *options, Renderer *renderer, CheckpointTexts notes, char *message,
+              size_t message_size);
 
 // The range of samples that is asked for against the samples of the whole picture: a part begins
 // and ends where blocks do. An ExitCode, after a message if it isn't EXIT_OK.

@@ -68,6 +68,12 @@ static int check_ranges(const Merging *m)
     for (size_t i = 0; i < m->count; ++i) {
         const CheckpointNumbers *n = &m->parts[i].numbers;
         uint32_t end = n->first_sample + n->samples;
+        if (n->more > 0) {
+            return complain(EXIT_FILES,
+                            "`%s` is of a picture that stops where it is good enough, which has no "
+                            "parts",
+                            m->parts[i].path);
+        }
         if (n->whole != whole) {
             return complain(EXIT_FILES,
                             "`%s` is of a picture of %u samples a pixel, `%s` of one of %u",
@@ -114,7 +120,8 @@ static int read_part(const Merging *m, const Part *part, Checkpoint *checkpoint,
     } else if (!film_init(film, n->width, n->height, n->first_sample, n->samples, n->aovs)) {
         code = complain(EXIT_NO_MEMORY, "not enough memory for the samples of `%s`", part->path);
     } else {
-        result = checkpoint_read_film(checkpoint, film, message, sizeof message);
+        result =
+            checkpoint_read_film(checkpoint, film, (CheckpointMore){0}, message, sizeof message);
         code = result == CHECKPOINT_SOUND ? EXIT_OK : complain(code_of(result), "%s", message);
     }
     if (code != EXIT_OK) {

@@ -273,6 +273,13 @@ bool picture_describe(Picture *picture, Loading *loading, const Renderer *render
     add_fact(&facts, "scnrender:seed", arena_printf(arena, "%lld", (long long)render->seed));
     add_fact(&facts, "scnrender:integrator", integrator_classes[render->integrator]->name);
     add_fact(&facts, "scnrender:camera", picture->camera ? picture->camera : camera_name(scene));
+    const StopRule *rule = renderer_stop_rule(renderer);
+    if (rule) {
+        add_fact(&facts, "scnrender:stop",
+                 arena_printf(arena, "error %.6g, confidence %.6g", rule->error, rule->confidence));
+    }
+    picture->confidence = rule ? rule->confidence : ERROR_CONFIDENCE;
+    picture->wanted_error = rule ? rule->error : 0;
     add_fact(&facts, exposure_note, arena_printf(arena, "%.17g", picture->exposure));
     add_fact(&facts, tone_note, arena_printf(arena, "%d", (int)picture->tone));
     add_fact(&facts, layers_note, layers_text(picture, arena));
@@ -309,6 +316,7 @@ int picture_recall(Picture *picture, const Options *options, CheckpointTexts not
         isnan(options->exposure) ? noted_number(notes, exposure_note) : options->exposure;
     double tone = options->tone < 0 ? noted_number(notes, tone_note) : options->tone;
     picture->tone = tone >= TONE_SRGB && tone <= TONE_FILMIC ? (int32_t)tone : TONE_SRGB;
+    picture->confidence = ERROR_CONFIDENCE;
     int code = check_type(picture, options);
     if (code == EXIT_OK) {
         code = choose_layers(picture, options, &(StringList){0});
@@ -326,7 +334,7 @@ int picture_recall(Picture *picture, const Options *options, CheckpointTexts not
 
 // --- Content -------------------------------------------------------------------------------------
 
-enum { MOST_ATTRIBUTES = MOST_FACTS + 4 };
+enum { MOST_ATTRIBUTES = MOST_FACTS + 8 };
 
 typedef struct Attributes {
     ImageAttribute items[MOST_ATTRIBUTES];
@@ -342,6 +350,23 @@ static void add_attribute(Attributes *attributes, const char *name, const char *
     }
 }
 
+// How far the picture may be from the truth (adaptive.h).
+static void add_error(Attributes *attributes, const Picture *picture, const Film *film,
+                      Arena *arena)
+{
+    const FilmError error = film_error(film, picture->confidence, picture->wanted_error);
+    if (isnan(error.mean)) {
+        return;
+    }
+    add_attribute(attributes, "scnrender:error", arena_printf(arena, "%.4g", error.mean));
+    add_attribute(attributes, "scnrender:error_worst", arena_printf(arena, "%.4g", error.worst));
+    add_attribute(attributes, "scnrender:error_confidence",
+                  arena_printf(arena, "%.6g", picture->confidence));
+    if (picture->wanted_error > 0) {
+        add_attribute(attributes, "scnrender:error_met", arena_printf(arena, "%.4f", error.met));
+    }
+}
+
 static Attributes make_attributes(const Picture *picture, const Film *film, Arena *arena)
 {
     Attributes attributes = {.complete = true};
@@ -354,6 +379,7 @@ static Attributes make_attributes(const Picture *picture, const Film *film, Aren
     }
     add_attribute(&attributes, "scnrender:samples",
                   arena_printf(arena, "%u", (unsigned)film->samples_done));
+    add_error(&attributes, picture, film, arena);
     return attributes;
 }
 

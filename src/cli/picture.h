@@ -6,6 +6,9 @@
 #include "render/checkpoint.h"
 #include "render/render.h"
 
+// Of the error that a picture tells, where its scene has no `stop`.
+static const double ERROR_CONFIDENCE = 0.95;
+
 typedef struct Picture {
     const char *path; // where it will stand; NULL: there is none
     int bits;
@@ -14,6 +17,7 @@ typedef struct Picture {
     // Set before the first picture_write, by picture_describe or picture_recall.
     double exposure;
     int32_t tone;
+    double confidence, wanted_error; // of the error that is told; wanted: 0 where none is
     CheckpointTexts facts; // where it comes from: attributes of the file, and notes of a checkpoint
 } Picture;
 

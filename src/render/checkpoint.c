@@ -14,7 +14,7 @@ enum { MOST_TEXT_BYTES = 1 << 20, MOST_SHOWN = 200 };
 
 // Sums and numbers lie in the file as in memory.
 _Static_assert(sizeof(FilmPixel) == 40 && sizeof(AovPixel) == 96, "the format's sizes");
-_Static_assert(sizeof(CheckpointNumbers) == 72, "the format's sizes");
+_Static_assert(sizeof(CheckpointNumbers) == 80, "the format's sizes");
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the format's order of bytes");
 
 enum { ARRAYS = 4 };
@@ -75,7 +75,7 @@ static void put_text(Writer *writer, const CheckpointText *text)
 }
 
 void checkpoint_write(FILE *file, CheckpointTexts texts, const CheckpointNumbers *numbers,
-                      const Film *film)
+                      const Film *film, CheckpointMore more)
 {
     const void *arrays[ARRAYS] = {film->pixels, film->aovs, film->blocks, film->aov_blocks};
     uint64_t sizes[ARRAYS] = {0};
@@ -91,6 +91,9 @@ void checkpoint_write(FILE *file, CheckpointTexts texts, const CheckpointNumbers
     put_checksum(&writer);
     for (int i = 0; i < ARRAYS; ++i) {
         put(&writer, arrays[i], sizes[i]);
+    }
+    for (uint32_t i = 0; i < more.count; ++i) {
+        put(&writer, more.items[i].at, more.items[i].size);
     }
     put_checksum(&writer);
 }
@@ -184,10 +187,11 @@ static CheckpointResult get_texts(Checkpoint *checkpoint, Reason reason)
 // The numbers must make sense, and the file must have the length that follows from them.
 static bool numbers_fit(const CheckpointNumbers *n, uint64_t read, uint64_t file_size)
 {
-    uint64_t sizes[ARRAYS], wanted = read + sizeof(uint64_t);
+    uint64_t sizes[ARRAYS], wanted;
     if (n->width == 0 || n->height == 0 || n->aovs > 1 || n->samples_done > n->samples ||
         n->samples > n->whole || n->first_sample > n->whole - n->samples ||
-        n->first_sample % SAMPLE_BLOCK != 0 || !array_sizes(n, sizes)) {
+        n->first_sample % SAMPLE_BLOCK != 0 || !array_sizes(n, sizes) ||
+        __builtin_add_overflow(read + sizeof(uint64_t), n->more, &wanted)) {
         return false;
     }
     for (int i = 0; i < ARRAYS; ++i) {
@@ -279,8 +283,8 @@ static bool counts_make_sense(const Film *film, const CheckpointNumbers *n)
     return true;
 }
 
-CheckpointResult checkpoint_read_film(Checkpoint *checkpoint, Film *film, char *message,
-                                      size_t message_size)
+CheckpointResult checkpoint_read_film(Checkpoint *checkpoint, Film *film, CheckpointMore more,
+                                      char *message, size_t message_size)
 {
     const Reason reason = {message, message_size};
     void *arrays[ARRAYS] = {film->pixels, film->aovs, film->blocks, film->aov_blocks};
@@ -290,6 +294,11 @@ CheckpointResult checkpoint_read_film(Checkpoint *checkpoint, Film *film, char *
     }
     for (int i = 0; i < ARRAYS; ++i) {
         if (!get(checkpoint, arrays[i], sizes[i])) {
+            return damaged(checkpoint, reason);
+        }
+    }
+    for (uint32_t i = 0; i < more.count; ++i) {
+        if (!get(checkpoint, more.items[i].at, more.items[i].size)) {
             return damaged(checkpoint, reason);
         }
     }

@@ -9,7 +9,7 @@
 //     numbers          CheckpointNumbers
 //     checksum         uint64: of all above
 //     sums             the film's arrays as they lie in memory: pixels, layers, blocks, the layers'
-//                      blocks; those that the numbers tell of
+//                      blocks; those that the numbers tell of; then what else the renderer keeps
 //     checksum         uint64: of all above
 //
 // A checksum is XXH3 (64 bits) of the last piece (a number, a length, a string, an array, a
@@ -52,13 +52,24 @@ typedef struct CheckpointNumbers {
     uint32_t block_count;           // kept apart (film.h)
     uint32_t aovs;                  // 1: with layers
     uint64_t rays, shadow_rays, samples_taken, bad_samples;
+    uint64_t more;  // bytes behind the film's arrays
     double seconds; // of rendering
 } CheckpointNumbers;
+
+// Bytes behind the film's arrays.
+typedef struct CheckpointBytes {
+    void *at;
+    uint64_t size;
+} CheckpointBytes;
+typedef struct CheckpointMore {
+    const CheckpointBytes *items;
+    uint32_t count;
+} CheckpointMore;
 
 // Writes to a stream that the caller opened, and checks when closing it. Texts of more than a
 // mebibyte are cut.
 void checkpoint_write(FILE *file, CheckpointTexts texts, const CheckpointNumbers *numbers,
-                      const Film *film);
+                      const Film *film, CheckpointMore more);
 
 // A file that is being read.
 typedef struct Checkpoint {
@@ -85,11 +96,11 @@ typedef enum CheckpointResult {
 // comes with a message of one line and leaves nothing to be closed.
 CheckpointResult checkpoint_open(Checkpoint *checkpoint, const char *path, char *message,
                                  size_t message_size);
-// Reads the sums into a film that was made (film_init) for numbers like the checkpoint's, and holds
-// the whole file to its checksum. After an error, which comes with a message, the film holds
-// nonsense.
-CheckpointResult checkpoint_read_film(Checkpoint *checkpoint, Film *film, char *message,
-                                      size_t message_size);
+// Reads the sums into a film that was made (film_init) for numbers like the checkpoint's, and what
+// stands behind them (which must have the size that the numbers tell) into `more`, and holds the
+// whole file to its checksum. After an error, which comes with a message, both hold nonsense.
+CheckpointResult checkpoint_read_film(Checkpoint *checkpoint, Film *film, CheckpointMore more,
+                                      char *message, size_t message_size);
 void checkpoint_close(Checkpoint *checkpoint);
 
 // The value of the text called `name`; NULL where there is none.

@@ -152,6 +152,13 @@ Rgb film_mean(const FilmPixel *pixel)
     return rgb((float)(pixel->sum[0] / n), (float)(pixel->sum[1] / n), (float)(pixel->sum[2] / n));
 }
 
+double film_luminance(const FilmPixel *pixel)
+{
+    return pixel->samples
+               ? luminance_of(pixel->sum[0], pixel->sum[1], pixel->sum[2]) / (double)pixel->samples
+               : 0;
+}
+
 double film_variance(const FilmPixel *pixel)
 {
     if (pixel->samples < 2) {

@@ -90,6 +90,8 @@ FilmMerge film_merge(Film *film, const Film *part);
 
 // The mean of a pixel's samples.
 Rgb film_mean(const FilmPixel *pixel);
+// Its luminance; 0 without samples.
+double film_luminance(const FilmPixel *pixel);
 // The variance of the mean's luminance, estimated from the samples; 0 for fewer than two.
 double film_variance(const FilmPixel *pixel);
 

@@ -18,11 +18,19 @@ static Rgb checked(Rgb radiance, IntegratorStats *stats)
     return radiance;
 }
 
-static Rgb take_sample(const Renderer *r, uint32_t x, uint32_t y, uint32_t number, AovSample *aov,
+// Where samples are taken, and for which sums.
+typedef struct Site {
+    const PixelStream *stream;
+    uint32_t x, y;
+    size_t at;
+} Site;
+
+static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, AovSample *aov,
                        IntegratorStats *stats)
 {
+    const uint32_t x = site->x, y = site->y;
     Sampler sampler;
-    sampler_start(&sampler, r->seed, x, y, number);
+    sampler_start(&sampler, site->stream->seed, x, y, number);
     float u, v, lens_u, lens_v;
     sampler_2d(&sampler, &u, &v);
     sampler_2d(&sampler, &lens_u, &lens_v);
@@ -40,15 +48,16 @@ static Rgb take_sample(const Renderer *r, uint32_t x, uint32_t y, uint32_t numbe
 }
 
 // Adds samples [from, to) of this renderer to *sums; returns where it got before a stop.
-static uint32_t take_samples(Renderer *r, uint32_t x, uint32_t y, uint32_t from, uint32_t to,
+static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, uint32_t to,
                              PixelSums *sums, IntegratorStats *stats)
 {
+    const bool aovs = site->stream->aovs != NULL;
     for (; from < to && !renderer_stopped(r); ++from) {
         AovSample aov = {.object = 0};
         const Rgb radiance =
-            take_sample(r, x, y, r->film.first_sample + from, r->film.aovs ? &aov : NULL, stats);
+            take_sample(r, site, r->film.first_sample + from, aovs ? &aov : NULL, stats);
         film_pixel_add(&sums->color, radiance);
-        if (r->film.aovs) {
+        if (aovs) {
             film_aov_add(&sums->aov, &aov);
         }
         if (from % TICK_SAMPLES == 0) {
@@ -58,9 +67,12 @@ static uint32_t take_samples(Renderer *r, uint32_t x, uint32_t y, uint32_t from,
     return from;
 }
 
-static void keep_block(Film *film, size_t pixel, uint32_t block, const PixelSums *sums)
+static void keep_block(Film *film, const Site *site, uint32_t block, const PixelSums *sums)
 {
-    const size_t at = block * film_pixel_count(film) + pixel;
+    const size_t at = block * film_pixel_count(film) + site->at;
+    if (!site->stream->keeps_blocks) {
+        return;
+    }
     if (film->blocks) {
         film->blocks[at] = sums->color;
     }
@@ -70,53 +82,51 @@ static void keep_block(Film *film, size_t pixel, uint32_t block, const PixelSums
 }
 
 // The first block grows in the pixel itself, pass by pass.
-static bool extend_first_block(Renderer *r, uint32_t x, uint32_t y, size_t at, uint32_t end,
-                               IntegratorStats *stats)
+static bool extend_first_block(Renderer *r, const Site *site, uint32_t end, IntegratorStats *stats)
 {
-    Film *film = &r->film;
-    PixelSums sums = {.color = film->pixels[at]};
-    if (film->aovs) {
-        sums.aov = film->aovs[at];
+    const PixelStream *stream = site->stream;
+    PixelSums sums = {.color = stream->pixels[site->at]};
+    if (stream->aovs) {
+        sums.aov = stream->aovs[site->at];
     }
-    const bool whole = take_samples(r, x, y, sums.color.samples, end, &sums, stats) == end;
-    film->pixels[at] = sums.color;
-    if (film->aovs) {
-        film->aovs[at] = sums.aov;
+    const bool whole = take_samples(r, site, sums.color.samples, end, &sums, stats) == end;
+    stream->pixels[site->at] = sums.color;
+    if (stream->aovs) {
+        stream->aovs[site->at] = sums.aov;
     }
-    keep_block(film, at, 0, &sums);
+    keep_block(&r->film, site, 0, &sums);
     return whole;
 }
 
 // Further blocks are summed apart and then added; one that a stop cuts short is dropped, to be
 // rendered again.
-static bool add_block(Renderer *r, uint32_t x, uint32_t y, size_t at, uint32_t end,
-                      IntegratorStats *stats)
+static bool add_block(Renderer *r, const Site *site, uint32_t end, IntegratorStats *stats)
 {
-    Film *film = &r->film;
+    const PixelStream *stream = site->stream;
     PixelSums sums = {.color = {.samples = 0}};
-    const uint32_t begin = film->pixels[at].samples;
-    if (take_samples(r, x, y, begin, end, &sums, stats) != end) {
+    const uint32_t begin = stream->pixels[site->at].samples;
+    if (take_samples(r, site, begin, end, &sums, stats) != end) {
         return false;
     }
-    film_pixel_join(&film->pixels[at], &sums.color);
-    if (film->aovs) {
-        film_aov_join(&film->aovs[at], &sums.aov);
+    film_pixel_join(&stream->pixels[site->at], &sums.color);
+    if (stream->aovs) {
+        film_aov_join(&stream->aovs[site->at], &sums.aov);
     }
-    keep_block(film, at, begin / SAMPLE_BLOCK, &sums);
+    keep_block(&r->film, site, begin / SAMPLE_BLOCK, &sums);
     return true;
 }
 
-bool pixel_render(Renderer *r, uint32_t x, uint32_t y, TileCount *count)
+bool pixel_render(Renderer *r, const PixelStream *stream, uint32_t x, uint32_t y, TileCount *count)
 {
-    const size_t at = (size_t)y * r->film.width + x;
-    const FilmPixel *pixel = &r->film.pixels[at];
+    const Site site = {stream, x, y, (size_t)y * r->film.width + x};
+    const FilmPixel *pixel = &stream->pixels[site.at];
     bool whole = true;
     while (whole && pixel->samples < r->target) {
         const uint32_t before = pixel->samples;
         const uint32_t block_end = (before / SAMPLE_BLOCK + 1) * SAMPLE_BLOCK;
         const uint32_t end = block_end < r->target ? block_end : r->target;
-        whole = before < SAMPLE_BLOCK ? extend_first_block(r, x, y, at, end, &count->rays)
-                                      : add_block(r, x, y, at, end, &count->rays);
+        whole = before < SAMPLE_BLOCK ? extend_first_block(r, &site, end, &count->rays)
+                                      : add_block(r, &site, end, &count->rays);
         count->samples += pixel->samples - before;
     }
     return whole;

@@ -32,8 +32,14 @@ static bool resolve_settings(Renderer *r, DiagSink *sink)
         r->film_params.width = options->width;
         r->film_params.height = options->height;
     }
+    r->rule = options->even ? NULL : scene_stop_rule(r->scene, &r->params);
+    if (options->time_limit > 0) {
+        r->params.time_limit = options->time_limit;
+    }
     if (options->samples > 0) {
         r->params.samples = options->samples;
+    } else if (!r->params.samples_given && (r->rule || r->params.time_limit > 0)) {
+        r->params.samples = OPEN_SAMPLES;
     }
     if (options->seed >= 0) {
         r->params.seed = options->seed;
@@ -50,6 +56,11 @@ static bool resolve_settings(Renderer *r, DiagSink *sink)
         diag_report(sink, E0928, (Span){0}, "samples %lld to %lld can't be rendered",
                     (long long)options->first_sample,
                     (long long)(options->first_sample + r->params.samples));
+        return false;
+    }
+    if (r->rule && (options->first_sample > 0 || options->whole_samples > 0)) {
+        diag_report(sink, E0928, scene_node(r->scene, CATEGORY_RULE, r->params.stop)->at,
+                    "a picture that stops where it is good enough can't be rendered in parts");
         return false;
     }
     r->seed = (uint32_t)r->params.seed ^ (uint32_t)((uint64_t)r->params.seed >> 32);
@@ -98,7 +109,8 @@ static bool prepare(Renderer *r, DiagSink *sink)
     if (!film_init(&r->film, width, height, (uint32_t)r->options.first_sample, r->samples,
                    r->options.aovs) ||
         !tiles_init(&r->tiles, width, height, tile_side(r->options.tile_width),
-                    tile_side(r->options.tile_height))) {
+                    tile_side(r->options.tile_height)) ||
+        (r->rule && !adaptive_init(&r->adaptive, width, height, *r->rule, r->samples))) {
         diag_report(sink, E0001, (Span){0}, "not enough memory for a picture of %u x %u pixels",
                     width, height);
         return false;
@@ -152,6 +164,7 @@ void renderer_free(Renderer *r)
             world_free(r->world);
         }
         tiles_free(&r->tiles);
+        adaptive_free(&r->adaptive);
         film_free(&r->film);
         mem_free(r);
     }
@@ -172,6 +185,11 @@ const RenderParams *renderer_params(const Renderer *r)
     return &r->params;
 }
 
+const StopRule *renderer_stop_rule(const Renderer *r)
+{
+    return r->rule;
+}
+
 const Camera *renderer_camera(const Renderer *r)
 {
     return &r->camera;
@@ -179,20 +197,28 @@ const Camera *renderer_camera(const Renderer *r)
 
 // --- Passes --------------------------------------------------------------------------------------
 
+// How much of the work is done: of the samples, or of the time.
+static double fraction_done(const Renderer *r, double done, double all)
+{
+    const double passed = r->render_seconds + renderer_clock() - r->began;
+    const double of_time = r->params.time_limit > 0 ? passed / r->params.time_limit : 0;
+    return fmin(fmax(done / all, of_time), 1);
+}
+
 static void report(Renderer *r, bool pass_done)
 {
-    const uint64_t all = (uint64_t)r->samples * film_pixel_count(&r->film);
+    const double all =
+        r->rule ? r->adaptive.expected : (double)r->samples * (double)film_pixel_count(&r->film);
     const uint64_t done = atomic_load_explicit(&r->samples_done, memory_order_relaxed);
     const double run = renderer_clock() - r->began;
     // What was done in earlier runs says nothing about this one's speed.
     const double speed = run > 0 ? (double)(done - r->samples_before) / run : 0;
-    const double left = speed > 0 ? (double)(all - done) / speed : INFINITY;
-    const double limit = fmax(r->deadline - renderer_clock(), 0);
+    const double left = speed > 0 ? fmax(all - (double)done, 0) / speed : INFINITY;
     const RenderProgress progress = {
         .film = &r->film,
-        .fraction = (double)done / (double)all,
+        .fraction = fraction_done(r, (double)done, all),
         .seconds = r->render_seconds + run,
-        .seconds_left = fmin(left, limit),
+        .seconds_left = fmin(left, fmax(r->deadline - renderer_clock(), 0)),
         .rays = atomic_load_explicit(&r->rays, memory_order_relaxed) +
                 atomic_load_explicit(&r->shadow_rays, memory_order_relaxed),
         .samples = done,
@@ -228,6 +254,31 @@ static void add_count(Renderer *r, const TileCount *count)
     atomic_fetch_add_explicit(&r->bad_samples, count->rays.bad_samples, memory_order_relaxed);
 }
 
+// The second stream's seeds are as far from the first's as another picture's.
+enum { SECOND_STREAM = 0x2545f491 };
+
+static bool render_streams(Renderer *r, uint32_t x, uint32_t y, TileCount *count)
+{
+    const AdaptiveCell *cell = adaptive_cell(&r->adaptive, x, y);
+    bool go_on = true;
+    for (uint32_t s = 0; go_on && adaptive_at_work(cell) && s < 2; ++s) {
+        const PixelStream stream = {.pixels = r->adaptive.streams[s],
+                                    .aovs = cell->enough[s] ? NULL : r->film.aovs,
+                                    .seed = r->seed ^ s * SECOND_STREAM};
+        go_on = pixel_render(r, &stream, x, y, count);
+    }
+    return go_on;
+}
+
+static bool render_pixel(Renderer *r, uint32_t x, uint32_t y, TileCount *count)
+{
+    if (r->rule) {
+        return render_streams(r, x, y, count);
+    }
+    const PixelStream stream = {r->film.pixels, r->film.aovs, r->seed, true};
+    return pixel_render(r, &stream, x, y, count);
+}
+
 static void render_tile(void *context, uint64_t item, unsigned worker)
 {
     (void)worker;
@@ -237,15 +288,23 @@ static void render_tile(void *context, uint64_t item, unsigned worker)
     bool go_on = true;
     for (uint32_t y = tile.y0; go_on && y < tile.y1; ++y) {
         for (uint32_t x = tile.x0; go_on && x < tile.x1; ++x) {
-            go_on = pixel_render(r, x, y, &count);
+            go_on = render_pixel(r, x, y, &count);
         }
     }
     add_count(r, &count);
     renderer_tick(r);
 }
 
+static bool finished(const Renderer *r)
+{
+    return r->rule ? adaptive_finished(&r->adaptive) : r->film.samples_done >= r->samples;
+}
+
 static uint32_t next_target(const Renderer *r)
 {
+    if (r->rule) {
+        return adaptive_next_target(&r->adaptive);
+    }
     const uint32_t done = r->film.samples_done;
     uint32_t target = done < SAMPLE_BLOCK ? 1 : (done / SAMPLE_BLOCK + 1) * SAMPLE_BLOCK;
     while (target <= done) {
@@ -263,30 +322,43 @@ void renderer_stats(const Renderer *r, RenderStats *stats)
         .shadow_rays = atomic_load(&r->shadow_rays),
         .samples = atomic_load(&r->samples_done),
         .bad_samples = atomic_load(&r->bad_samples),
-        .stopped = r->film.samples_done < r->samples,
+        .stopped = !finished(r),
         .out_of_time = atomic_load(&r->out_of_time),
     };
+}
+
+static void end_pass(Renderer *r)
+{
+    if (r->rule) {
+        adaptive_decide(&r->adaptive, r->target, &r->film);
+        adaptive_show(&r->adaptive, &r->film);
+    } else {
+        r->film.samples_done = r->target;
+    }
 }
 
 bool renderer_run(Renderer *r, RenderStats *stats)
 {
     r->began = renderer_clock();
-    r->deadline = r->options.time_limit > 0
-                      ? r->began + fmax(r->options.time_limit - r->render_seconds, 0)
+    r->deadline = r->params.time_limit > 0
+                      ? r->began + fmax(r->params.time_limit - r->render_seconds, 0)
                       : INFINITY;
     atomic_store(&r->out_of_time, false);
     atomic_store(&r->last_report, r->began);
     r->samples_before = atomic_load(&r->samples_done);
-    while (r->film.samples_done < r->samples && !renderer_stopped(r)) {
+    while (!finished(r) && !renderer_stopped(r)) {
         r->target = next_target(r);
         parallel_for(r->tiles.count, r->options.threads, render_tile, r, r->options.stop);
         if (renderer_stopped(r)) {
             break; // maybe between pixels; the next run finds what is missing
         }
-        r->film.samples_done = r->target;
+        end_pass(r);
         if (r->options.progress) {
             report(r, true);
         }
+    }
+    if (r->rule) {
+        adaptive_show(&r->adaptive, &r->film);
     }
     r->render_seconds += renderer_clock() - r->began;
     if (stats) {

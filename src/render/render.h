@@ -3,6 +3,7 @@
 #define RENDER_RENDER_H
 
 #include "base/diag.h"
+#include "render/adaptive.h"
 #include "render/camera.h"
 #include "render/film.h"
 #include "render/integrator.h"
@@ -20,6 +21,9 @@ typedef struct RenderParams { // the `render` kind
     bool shadows, russian_roulette;
     double ao_distance; // how far "ambient_occlusion" looks, m; 0: any distance
     double clamp;       // largest radiance of an indirect sample; 0: none
+    double time_limit;  // seconds; 0: none
+    uint32_t stop;      // a node of category `rule`: when it is good enough; or NONE_ID
+    bool samples_given; // derived: `samples` isn't the default
 } RenderParams;
 
 struct RenderProgress;
@@ -37,6 +41,7 @@ typedef struct RenderOptions {
     double time_limit;           // seconds of rendering, after which what is done is kept; 0: none
     int tile_width, tile_height; // pixels; 0: TILE_SIZE. They change no byte
     bool aovs;
+    bool even;                         // the same number of samples for all: without `stop`
     const IntegratorClass *integrator; // NULL: the scene's
     // A world that was built of the same scene before, so that only the camera or the size changes;
     // it is not owned, and no two renderers use it at once. NULL: the renderer builds its own.
@@ -81,6 +86,8 @@ void renderer_stats(const Renderer *renderer, RenderStats *stats);
 // What was in force, the options counted in: for the picture's metadata.
 const FilmParams *renderer_film_params(const Renderer *renderer);
 const RenderParams *renderer_params(const Renderer *renderer);
+// NULL: all pixels get the same number of samples.
+const StopRule *renderer_stop_rule(const Renderer *renderer);
 // What the picture is seen with.
 const Camera *renderer_camera(const Renderer *renderer);
 void renderer_free(Renderer *renderer);
@@ -88,5 +95,10 @@ void renderer_free(Renderer *renderer);
 // Resolved film and render settings of a scene: its own, or the defaults.
 FilmParams scene_film(const Scene *scene);
 RenderParams scene_render(const Scene *scene);
+// The rule of `stop`; NULL: all pixels get the same number of samples.
+const StopRule *scene_stop_rule(const Scene *scene, const RenderParams *render);
+
+// The most samples of a pixel where `stop` or a time limit sets the end, and `samples` isn't given.
+enum { OPEN_SAMPLES = 1 << 16 };
 
 #endif

@@ -3,6 +3,7 @@
 #ifndef RENDER_RENDERER_H
 #define RENDER_RENDERER_H
 
+#include "render/adaptive.h"
 #include "render/camera.h"
 #include "render/filter.h"
 #include "render/render.h"
@@ -20,6 +21,8 @@ struct Renderer {
     PixelFilter filter;
     TileList tiles;
     Film film;
+    const StopRule *rule;   // or NULL
+    Adaptive adaptive;      // where there is a rule
     uint32_t seed, samples; // samples: of this renderer, from film.first_sample on
     double build_seconds, render_seconds;
     // of the pass under way
@@ -55,7 +58,15 @@ typedef struct TileCount {
     uint64_t samples;
 } TileCount;
 
-// Brings one pixel of the film to r->target samples. False after a stop.
-bool pixel_render(Renderer *r, uint32_t x, uint32_t y, TileCount *count);
+// Sums that grow by samples of one seed: the film's own, or a stream of adaptive sampling.
+typedef struct PixelStream {
+    FilmPixel *pixels; // of the whole picture
+    AovPixel *aovs;    // the same; NULL: layers aren't counted
+    uint32_t seed;
+    bool keeps_blocks; // the film's blocks are kept apart, too (film.h)
+} PixelStream;
+
+// Brings one pixel of a stream to r->target samples. False after a stop.
+bool pixel_render(Renderer *r, const PixelStream *stream, uint32_t x, uint32_t y, TileCount *count);
 
 #endif

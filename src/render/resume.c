@@ -67,6 +67,7 @@ static void identify(const Renderer *r, Identity *id)
     add_text(id, CHECKPOINT_IDENTITY, "seed", id->seed);
     add_text(id, CHECKPOINT_IDENTITY, "camera", id->camera);
     add_text(id, CHECKPOINT_IDENTITY, "integrator", r->integrator->name);
+    add_text(id, CHECKPOINT_IDENTITY, "kind of sampling", r->rule ? "adaptive" : "even");
     add_text(id, CHECKPOINT_IDENTITY, "choice of layers", r->film.aovs ? "some" : "none");
     add_text(id, CHECKPOINT_NOTE, "processor", processor());
 }
@@ -77,9 +78,38 @@ static uint32_t whole_samples(const Renderer *r)
                                         : r->film.first_sample + r->samples;
 }
 
+// --- What adaptive sampling keeps ----------------------------------------------------------------
+
+enum { ADAPTIVE_PARTS = 5 };
+
+typedef struct AdaptiveBytes {
+    CheckpointBytes parts[ADAPTIVE_PARTS];
+    uint32_t count;
+    uint64_t size;
+} AdaptiveBytes;
+
+static AdaptiveBytes adaptive_bytes(Renderer *r)
+{
+    Adaptive *a = &r->adaptive;
+    if (!r->rule) {
+        return (AdaptiveBytes){.count = 0};
+    }
+    const uint64_t pixels = film_pixel_count(&r->film), cells = (uint64_t)a->columns * a->rows;
+    AdaptiveBytes out = {.parts = {{&a->state, sizeof a->state},
+                                   {a->cells, cells * sizeof *a->cells},
+                                   {a->streams[0], pixels * sizeof(FilmPixel)},
+                                   {a->streams[1], pixels * sizeof(FilmPixel)},
+                                   {a->kept, pixels * sizeof(FilmPixel)}},
+                         .count = ADAPTIVE_PARTS};
+    for (int i = 0; i < ADAPTIVE_PARTS; ++i) {
+        out.size += out.parts[i].size;
+    }
+    return out;
+}
+
 // --- Saving --------------------------------------------------------------------------------------
 
-static CheckpointNumbers numbers_of(const Renderer *r)
+static CheckpointNumbers numbers_of(const Renderer *r, uint64_t more)
 {
     return (CheckpointNumbers){
         .width = r->film.width,
@@ -94,11 +124,12 @@ static CheckpointNumbers numbers_of(const Renderer *r)
         .shadow_rays = atomic_load(&r->shadow_rays),
         .samples_taken = atomic_load(&r->samples_done),
         .bad_samples = atomic_load(&r->bad_samples),
+        .more = more,
         .seconds = r->render_seconds,
     };
 }
 
-bool renderer_save(const Renderer *r, CheckpointTexts notes, const char *path, char *message,
+bool renderer_save(Renderer *r, CheckpointTexts notes, const char *path, char *message,
                    size_t message_size)
 {
     Identity id;
@@ -106,12 +137,14 @@ bool renderer_save(const Renderer *r, CheckpointTexts notes, const char *path, c
     for (uint32_t i = 0; i < notes.count; ++i) {
         add_text(&id, CHECKPOINT_NOTE, notes.items[i].name, notes.items[i].value);
     }
-    const CheckpointNumbers numbers = numbers_of(r);
+    const AdaptiveBytes more = adaptive_bytes(r);
+    const CheckpointNumbers numbers = numbers_of(r, more.size);
     AtomicFile file;
     if (!atomic_file_open(&file, path, message, message_size)) {
         return false;
     }
-    checkpoint_write(file.stream, (CheckpointTexts){id.texts, id.count}, &numbers, &r->film);
+    checkpoint_write(file.stream, (CheckpointTexts){id.texts, id.count}, &numbers, &r->film,
+                     (CheckpointMore){more.parts, more.count});
     return atomic_file_commit(&file, message, message_size);
 }
 
@@ -139,7 +172,7 @@ static bool range_fits(const Renderer *r, const CheckpointNumbers *n)
     const bool wanted_whole = r->film.first_sample == 0 && r->samples == whole_samples(r);
     const bool same = n->first_sample == r->film.first_sample && n->samples == r->samples &&
                       n->whole == whole_samples(r);
-    return same || (whole && wanted_whole);
+    return same || (whole && wanted_whole && !r->rule);
 }
 
 static CheckpointResult check_head(const Renderer *r, const Checkpoint *checkpoint, Reason reason)
@@ -209,8 +242,14 @@ static void take_numbers(Renderer *r, const CheckpointNumbers *n)
 static CheckpointResult load(Renderer *r, Checkpoint *checkpoint, Reason reason)
 {
     CheckpointResult result = check_head(r, checkpoint, reason);
+    const AdaptiveBytes more = adaptive_bytes(r);
+    if (result == CHECKPOINT_SOUND && checkpoint->numbers.more != more.size) {
+        result = is_other(reason, "size", "its own", "this one's"); // it contradicts itself
+    }
     if (result == CHECKPOINT_SOUND) {
-        result = checkpoint_read_film(checkpoint, &r->film, reason.message, reason.size);
+        result =
+            checkpoint_read_film(checkpoint, &r->film, (CheckpointMore){more.parts, more.count},
+                                 reason.message, reason.size);
     }
     if (result == CHECKPOINT_SOUND) {
         result = check_samples(r, &checkpoint->numbers, reason);

@@ -8,7 +8,7 @@
 // Writes what was done to the file `path`, which is replaced as a whole, with `notes` for whoever
 // makes a picture of it. Not while the renderer runs. False with a message; the old file is then as
 // it was.
-bool renderer_save(const Renderer *renderer, CheckpointTexts notes, const char *path, char *message,
+bool renderer_save(Renderer *renderer, CheckpointTexts notes, const char *path, char *message,
                    size_t message_size);
 // Takes up what was saved by a renderer of the same scene and settings: a run from there gives the
 // bytes of one that never was interrupted. More or fewer samples may be asked for than then, if no

@@ -4,16 +4,17 @@
 #include "render/render.h"
 
 // The defaults that a scene without these settings gets, too; written once.
-#define TEXT(x)              TEXT_OF(x)
-#define TEXT_OF(x)           #x
-#define DEFAULT_WIDTH        960
-#define DEFAULT_HEIGHT       540
-#define DEFAULT_EXPOSURE     0
-#define DEFAULT_SAMPLES      64
-#define DEFAULT_BOUNCES      12
-#define DEFAULT_SEED         0
-#define DEFAULT_CONFIDENCE   0.999
-#define DEFAULT_TEST_SAMPLES 16777216
+#define TEXT(x)                 TEXT_OF(x)
+#define TEXT_OF(x)              #x
+#define DEFAULT_WIDTH           960
+#define DEFAULT_HEIGHT          540
+#define DEFAULT_EXPOSURE        0
+#define DEFAULT_SAMPLES         64
+#define DEFAULT_BOUNCES         12
+#define DEFAULT_SEED            0
+#define DEFAULT_CONFIDENCE      0.999
+#define DEFAULT_TEST_SAMPLES    16777216
+#define DEFAULT_STOP_CONFIDENCE 0.95
 enum { DEFAULT_FILTER = FILTER_BLACKMAN_HARRIS, DEFAULT_TONE = TONE_SRGB };
 
 static const char *const filters[] = {"box", "tent", "gaussian", "blackman_harris", "center", NULL};
@@ -124,6 +125,8 @@ const NodeType film_kind = {
     .finish = film_finish,
 };
 
+enum { RENDER_SAMPLES = 1 };
+
 static const Param render_params[] = {
     {.name = "integrator",
      .type = PARAM_CHOICE,
@@ -133,13 +136,15 @@ static const Param render_params[] = {
      .doc =
          "what finds the light along a ray: each is explained by `scnrender explain NAME` and in "
          "the manual's chapter on integrators"},
-    {.name = "samples",
-     .type = PARAM_INT,
-     PARAM_AT(RenderParams, samples),
-     .min = 1,
-     .max = 1 << 30,
-     .default_text = TEXT(DEFAULT_SAMPLES),
-     .doc = "of each pixel"},
+    [RENDER_SAMPLES] =
+        {.name = "samples",
+         .type = PARAM_INT,
+         PARAM_AT(RenderParams, samples),
+         .min = 1,
+         .max = 1 << 30,
+         .default_text = TEXT(DEFAULT_SAMPLES),
+         .doc = "of each pixel; the most of them where `stop` or `time_limit` is given, and then "
+                "65536 by default"},
     {.name = "bounces",
      .type = PARAM_INT,
      PARAM_AT(RenderParams, bounces),
@@ -189,7 +194,31 @@ static const Param render_params[] = {
      .flags = PARAM_NO_DEFAULT | PARAM_EXCLUDE_MIN,
      .doc = "largest radiance that a sample of indirect light may bring; makes fireflies, and the "
             "mean, darker"},
+    {.name = "stop",
+     .type = PARAM_NODE,
+     PARAM_AT(RenderParams, stop),
+     .category = CATEGORY_RULE,
+     .flags = PARAM_NO_DEFAULT,
+     .doc =
+         "when a part of the picture is good enough, so that it gets no more samples; without it "
+         "all pixels get the same number"},
+    {.name = "time_limit",
+     .type = PARAM_NUMBER,
+     PARAM_AT(RenderParams, time_limit),
+     .dims = DIM_BIT(DIM_TIME),
+     .min = 0,
+     .max = INFINITY,
+     .flags = PARAM_NO_DEFAULT | PARAM_EXCLUDE_MIN,
+     .doc = "how long to render; what is done then is the picture, whose bytes depend on the "
+            "machine's speed"},
 };
+
+static bool render_finish(NodeFinish *finish)
+{
+    RenderParams *render = finish->params;
+    render->samples_given = (finish->set & UINT64_C(1) << RENDER_SAMPLES) != 0;
+    return true;
+}
 
 const NodeType render_kind = {
     .name = "render",
@@ -199,6 +228,7 @@ const NodeType render_kind = {
     .size = sizeof(RenderParams),
     .doc = "How the picture is computed.",
     .example = "render { samples: 256, bounces: 8, seed: 7 }",
+    .finish = render_finish,
 };
 
 static const Param test_params[] = {
@@ -241,6 +271,52 @@ TestParams scene_test(const Scene *scene)
                : (TestParams){.confidence = DEFAULT_CONFIDENCE, .samples = DEFAULT_TEST_SAMPLES};
 }
 
+static const Param until_params[] = {
+    {.name = "error",
+     .type = PARAM_NUMBER,
+     PARAM_AT(StopRule, error),
+     .min = 0,
+     .max = INFINITY,
+     .flags = PARAM_REQUIRED | PARAM_EXCLUDE_MIN,
+     .doc = "how far pixels may lie from the truth, as a part of the light around them: 0.02 is 2 "
+            "%"},
+    {.name = "confidence",
+     .type = PARAM_NUMBER,
+     PARAM_AT(StopRule, confidence),
+     .min = 0,
+     .max = 1,
+     .flags = PARAM_EXCLUDE_MIN | PARAM_EXCLUDE_MAX,
+     .default_text = TEXT(DEFAULT_STOP_CONFIDENCE),
+     .doc = "how sure of that to be"},
+};
+
+const NodeType until_kind = {
+    .name = "until",
+    .category = CATEGORY_RULE,
+    .params = until_params,
+    .param_count = sizeof until_params / sizeof *until_params,
+    .size = sizeof(StopRule),
+    .doc = "Cells of 8 x 8 pixels get samples until their error is small enough, or `samples` are "
+           "reached. The picture's mean stays right: the samples that decide how many are averaged "
+           "are never the averaged ones.",
+    .formula =
+        "A cell is done when z sqrt(mean variance of its pixels' luminance) <= error max(mean "
+        "luminance of the cell, a tenth of the picture's); z is the normal distribution's, 1.96 "
+        "for "
+        "0.95. Two independent streams sample each pixel, each decides for the other, and the "
+        "pixel "
+        "is the even mean of the two (after Kirk and Arvo 1991, Unbiased Sampling Techniques for "
+        "Image Synthesis).",
+    .example = "render { stop: until { error: 0.02, confidence: 0.95 }, time_limit: 60s }",
+};
+
+const StopRule *scene_stop_rule(const Scene *scene, const RenderParams *render)
+{
+    return render->stop == NONE_ID
+               ? NULL
+               : scene_params(scene, scene_node(scene, CATEGORY_RULE, render->stop));
+}
+
 FilmParams scene_film(const Scene *scene)
 {
     const FilmParams *own = scene_setting(scene, "film");
@@ -280,5 +356,6 @@ RenderParams scene_render(const Scene *scene)
         .sampling = SAMPLING_MIS,
         .shadows = true,
         .russian_roulette = true,
+        .stop = NONE_ID,
     };
 }

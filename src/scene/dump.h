@@ -5,7 +5,7 @@
 //      "shapes": [{"id", "kind", "name", "prototype", "light_only", "material", "transform",
 //                  "fields", "place"}],
 //      "materials": […], "textures": […], "lights": [… "color" …], "falloffs": […],
-//      "attenuations": […], "cameras": […], "settings": […],
+//      "attenuations": […], "cameras": […], "rules": […], "settings": […],
 //      "prototypes": [{"id", "name", "shapes", "place"}],
 //      "instances": [{"id", "prototype", "name", "material", "transform", "place"}],
 //      "meshes": [{"id", "vertices", "triangles", "bounds", …}]}

@@ -67,6 +67,7 @@ const UnitInfo *unit_find(Str name);
     CATEGORY(FALLOFF, "falloff")                                                                   \
     CATEGORY(ATTENUATION, "attenuation")                                                           \
     CATEGORY(CAMERA, "camera")                                                                     \
+    CATEGORY(RULE, "rule")                                                                         \
     CATEGORY(SETTING, "setting")
 
 typedef enum Category {

@@ -19,6 +19,9 @@ keeping="--checkpoint c --checkpoint-interval 0.05 --resume"
 
 run scene.scn -o whole.exr
 expect_code 0
+sed 's/samples: 330/samples: 600, stop: until { error: 0.05 }/' scene.scn >stops.scn
+run stops.scn -o stops_whole.exr
+expect_code 0
 
 # --- SIGKILL at random moments -------------------------------------------------------------------
 
@@ -26,27 +29,40 @@ expect_code 0
 milliseconds() {
     awk -v s="$seed" -v n="$1" 'BEGIN { srand(s * 10007 + n); for (i = 0; i < 5; ++i) rand(); print int(10 + 900 * rand()) }'
 }
-killed=0 finished=0 resumed=0 tries=0
-while [ $killed -lt "$kills" ] && [ $tries -lt $((20 * kills)) ]; do
-    tries=$((tries + 1))
-    [ ! -e c ] || resumed=$((resumed + 1))
-    result=$("$STOP_CHECK" 9 "$(milliseconds $tries)" "$SCNRENDER" scene.scn -o killed.exr $keeping --threads $((tries % 3 + 1)) 2>err)
-    case $result in
-    137*) killed=$((killed + 1)) ;;
-    0*)
-        cmp -s whole.exr killed.exr || fail "other bytes after $killed kills"
-        finished=$((finished + 1))
-        rm -f c killed.exr
-        ;;
-    *) fail "killed $killed times, it ended with $result: $(cat err)" && break ;;
-    esac
-done
-[ $killed -ge "$kills" ] || fail "only $killed of $kills kills met it at work"
-[ $resumed -gt 0 ] || fail "no run found a checkpoint"
-run scene.scn -o killed.exr $keeping
-expect_code 0
-cmp -s whole.exr killed.exr || fail "other bytes after all kills"
-echo "$killed kills, $resumed runs from a checkpoint, finished $finished times meanwhile"
+# kill_often SCENE WHOLE KILLS
+kill_often() {
+    scene=$1 whole=$2 wanted=$3 killed=0 finished=0 resumed=0 tries=0
+    last="killing $scene"
+    rm -f c killed.exr
+    while [ $killed -lt "$wanted" ] && [ $tries -lt $((20 * wanted)) ]; do
+        tries=$((tries + 1))
+        [ ! -e c ] || resumed=$((resumed + 1))
+        result=$("$STOP_CHECK" 9 "$(milliseconds $tries)" "$SCNRENDER" "$scene" -o killed.exr $keeping --threads $((tries % 3 + 1)) 2>err)
+        case $result in
+        137*) killed=$((killed + 1)) ;;
+        0*)
+            cmp -s "$whole" killed.exr || fail "$last: other bytes after $killed kills"
+            finished=$((finished + 1))
+            rm -f c killed.exr
+            ;;
+        *) fail "$last: after $killed kills it ended with $result: $(cat err)" && break ;;
+        esac
+    done
+    [ $killed -ge "$wanted" ] || fail "only $killed of $wanted kills met it at work"
+    [ $resumed -gt 0 ] || fail "no run found a checkpoint"
+    run "$scene" -o killed.exr $keeping
+    expect_code 0
+    cmp -s "$whole" killed.exr || fail "$last: other bytes after all kills"
+    echo "$scene: $killed kills, $resumed runs from a checkpoint, finished $finished times meanwhile"
+}
+kill_often stops.scn stops_whole.exr $((kills / 4))
+run merge c -o x.exr
+expect_code 3
+expect_text err "stops where it is good enough, which has no parts"
+run stops.scn --sample-range 0..63 --checkpoint x
+expect_code 1
+expect_text err "can't be rendered in parts"
+kill_often scene.scn whole.exr $((kills - kills / 4))
 rm -f killed.exr.*.tmp # of pictures that were being written
 expect_no_leftovers
 

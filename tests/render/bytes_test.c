@@ -69,20 +69,65 @@ static bool same(const Renderer *a, const Renderer *b)
            (!x->aovs || memcmp(x->aovs, y->aovs, n * sizeof *x->aovs) == 0);
 }
 
-static void threads_change_nothing(void **state)
+// Threads and tiles, with and without layers.
+static void check_threads_and_tiles(Loaded *l, RenderOptions options, const char *what)
+{
+    static const struct {
+        unsigned threads;
+        int tile_width, tile_height;
+    } ways[] = {{2, 0, 0}, {8, 0, 0}, {8, 1, 1}, {2, 7, 300}, {3, 64, 2}};
+    for (int aovs = 0; aovs < 2; ++aovs) {
+        options.threads = 1;
+        options.aovs = aovs;
+        Renderer *one = rendered(l, options);
+        for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) {
+            RenderOptions other = options;
+            other.threads = ways[i].threads;
+            other.tile_width = ways[i].tile_width;
+            other.tile_height = ways[i].tile_height;
+            Renderer *many = rendered(l, other);
+            if (!same(one, many)) {
+                fail_msg("%s: other bytes for %u threads, tiles of %d x %d", what, other.threads,
+                         other.tile_width, other.tile_height);
+            }
+            renderer_free(many);
+        }
+        renderer_free(one);
+    }
+}
+
+static void threads_and_tiles_change_nothing(void **state)
 {
     (void)state;
     Loaded l;
     load(&l, room);
-    Renderer *one = rendered(&l, (RenderOptions){.threads = 1, .seed = -1, .aovs = true});
-    const unsigned threads[] = {2, 8};
-    for (int i = 0; i < 2; ++i) {
-        Renderer *many =
-            rendered(&l, (RenderOptions){.threads = threads[i], .seed = -1, .aovs = true});
-        assert_true(same(one, many));
-        renderer_free(many);
+    check_threads_and_tiles(&l, (RenderOptions){.seed = -1}, "room");
+    for (int i = 0; integrator_classes[i]; ++i) {
+        check_threads_and_tiles(
+            &l, (RenderOptions){.seed = -1, .samples = 5, .integrator = integrator_classes[i]},
+            integrator_classes[i]->name);
     }
-    renderer_free(one);
+    unload(&l);
+}
+
+static void stopping_rules_change_nothing(void **state)
+{
+    (void)state;
+    char text[1200];
+    const char *samples = strstr(room, "samples: 80");
+    snprintf(text, sizeof text, "%.*ssamples: 400, stop: until { error: 0.2 }%s",
+             (int)(samples - room), room, samples + strlen("samples: 80"));
+    Loaded l;
+    load(&l, text);
+    check_threads_and_tiles(&l, (RenderOptions){.seed = -1}, "stopping rule");
+    Renderer *r = rendered(&l, (RenderOptions){.seed = -1});
+    const Film *film = renderer_film(r);
+    uint32_t most = 0;
+    for (size_t p = 0; p < film_pixel_count(film); ++p) {
+        most = film->pixels[p].samples > most ? film->pixels[p].samples : most;
+    }
+    assert_true(film->samples_done < most); // it does adapt
+    renderer_free(r);
     unload(&l);
 }
 
@@ -186,8 +231,11 @@ static void settings_arrive(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads_change_nothing),   cmocka_unit_test(reading_again_changes_nothing),
-        cmocka_unit_test(ranges_join_to_the_whole), cmocka_unit_test(seeds_change_the_noise_only),
+        cmocka_unit_test(threads_and_tiles_change_nothing),
+        cmocka_unit_test(stopping_rules_change_nothing),
+        cmocka_unit_test(reading_again_changes_nothing),
+        cmocka_unit_test(ranges_join_to_the_whole),
+        cmocka_unit_test(seeds_change_the_noise_only),
         cmocka_unit_test(settings_arrive),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

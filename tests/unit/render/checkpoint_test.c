@@ -112,7 +112,8 @@ static void write_part(const char *name)
     const CheckpointNumbers numbers = numbers_of(&film);
     FILE *file = fopen(path_of(name), "wb");
     assert_non_null(file);
-    checkpoint_write(file, (CheckpointTexts){texts, TEST_COUNT(texts)}, &numbers, &film);
+    checkpoint_write(file, (CheckpointTexts){texts, TEST_COUNT(texts)}, &numbers, &film,
+                     (CheckpointMore){0});
     assert_int_equal(fclose(file), 0);
     film_free(&film);
 }
@@ -127,7 +128,8 @@ static CheckpointResult read_any(const char *name)
         const CheckpointNumbers *n = &checkpoint.numbers;
         Film film;
         assert_true(film_init(&film, n->width, n->height, n->first_sample, n->samples, n->aovs));
-        result = checkpoint_read_film(&checkpoint, &film, message, sizeof message);
+        result =
+            checkpoint_read_film(&checkpoint, &film, (CheckpointMore){0}, message, sizeof message);
         film_free(&film);
         checkpoint_close(&checkpoint);
     }
@@ -156,7 +158,8 @@ static void what_was_written_comes_back(void **state)
     const CheckpointNumbers numbers = numbers_of(&film);
     assert_memory_equal(&c.numbers, &numbers, sizeof numbers);
     assert_true(film_init(&read, W, H, PART_FIRST, PART_SAMPLES, true));
-    assert_int_equal(checkpoint_read_film(&c, &read, message, sizeof message), CHECKPOINT_SOUND);
+    assert_int_equal(checkpoint_read_film(&c, &read, (CheckpointMore){0}, message, sizeof message),
+                     CHECKPOINT_SOUND);
     assert_int_equal(read.samples_done, PART_SAMPLES);
     assert_int_equal(read.block_count, 2);
     assert_memory_equal(film.pixels, read.pixels, W * H * sizeof *film.pixels);
@@ -283,6 +286,14 @@ static void fixture_init(Fixture *f)
     f->scene.hash = 99;
 }
 
+static uint32_t add_node(Scene *scene, const char *kind, const void *params)
+{
+    const int type = schema_find(scene->schema, str_from(kind));
+    assert_true(type >= 0);
+    const SceneNode node = {.material = NONE_ID};
+    return scene_add_node(scene, (uint16_t)type, params, node);
+}
+
 static void fixture_free(Fixture *f)
 {
     scene_free(&f->scene);
@@ -337,7 +348,7 @@ static int render_in_pieces(Fixture *f, RenderOptions options, Film *film, Rende
             assert_string_equal(message, "");
         }
         atomic_store(&stop, 0);
-        atomic_store(&left, 500 + (long)(hash_u32((uint32_t)pieces) % 9000));
+        atomic_store(&left, 500 + (long)(hash_u32((uint32_t)pieces) % 19000));
         assert_true(renderer_run(r, &stats));
         if (!stats.stopped) {
             *film = *renderer_film(r);
@@ -397,6 +408,42 @@ static void expect_refused(Fixture *f, RenderOptions options, const char *why)
         fail_msg("%d and \"%s\", not \"%s\"", (int)result, message, why);
     }
     renderer_free(r);
+}
+
+// The same where cells stop when they are good enough: what decides is kept, too.
+static void adaptive_pieces_make_the_bytes_of_the_whole(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_init(&f);
+    const StopRule rule = {.error = 0.33, .confidence = 0.9};
+    RenderParams render = scene_render(&f.scene);
+    render.stop = add_node(&f.scene, "until", &rule);
+    assert_true(add_node(&f.scene, "render", &render) != NONE_ID);
+    const RenderOptions options = options_of(2, 0, 700);
+    atomic_store(&stop, 0);
+    atomic_store(&left, LONG_MAX);
+    Renderer *whole = renderer_of(&f, options), *last;
+    assert_true(renderer_run(whole, NULL));
+    const Film *film = renderer_film(whole);
+    uint32_t most = 0;
+    for (size_t p = 0; p < film_pixel_count(film); ++p) {
+        most = film->pixels[p].samples > most ? film->pixels[p].samples : most;
+    }
+    print_message("%u to %u samples\n", film->samples_done, most);
+    assert_true(film->samples_done < most);
+    Film pieces;
+    assert_true(render_in_pieces(&f, options, &pieces, &last) > 5);
+    assert_true(same_film(film, &pieces));
+    renderer_free(last);
+    // One with other samples isn't gone on with, nor one without the rule.
+    renderer_free(saved(&f, options, 20000));
+    expect_refused(&f, options_of(2, 0, 800), "of another range of samples");
+    RenderOptions even = options;
+    even.even = true;
+    expect_refused(&f, even, "of another kind of sampling: adaptive, not even");
+    renderer_free(whole);
+    fixture_free(&f);
 }
 
 static void what_does_not_fit_is_refused(void **state)
@@ -494,6 +541,7 @@ int main(void)
         cmocka_unit_test(other_files_are_refused),
         cmocka_unit_test(differences_are_named),
         cmocka_unit_test(pieces_make_the_bytes_of_the_whole),
+        cmocka_unit_test(adaptive_pieces_make_the_bytes_of_the_whole),
         cmocka_unit_test(what_does_not_fit_is_refused),
         cmocka_unit_test(samples_can_be_added_to_whole_blocks),
         cmocka_unit_test(an_old_checkpoint_stays),
