@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 typedef struct Testing {
     const Options *options;
@@ -70,6 +71,23 @@ static bool is_repeated(const SceneExpectationArray *all, size_t i)
     return false;
 }
 
+// On a terminal, what is being measured; wiped by the next call, of NULL.
+static void show_progress(const Testing *testing, Loading *loading,
+                          const SceneExpectation *expectation)
+{
+    if (testing->report.quiet || !isatty(STDERR_FILENO)) {
+        return;
+    }
+    if (expectation) {
+        Span at = expectation->at;
+        Place place = source_place(&loading->lang.sources, at.file, at.begin);
+        fprintf(stderr, "  ....  line %u: measuring", (unsigned)place.line);
+    } else {
+        fputs("\r\33[K", stderr);
+    }
+    fflush(stderr);
+}
+
 static void test_measured(Testing *testing, Loading *loading, Meter *meter, size_t i)
 {
     const SceneExpectation *expectation = &loading->scene.expectations.items[i];
@@ -78,7 +96,10 @@ static void test_measured(Testing *testing, Loading *loading, Meter *meter, size
                                        [METER_UNDECIDED] = VERDICT_UNDECIDED};
     MeterResult result;
     double began = now();
-    if (!meter_measure(meter, expectation->measure, &result)) {
+    show_progress(testing, loading, expectation);
+    bool measured = meter_measure(meter, expectation->measure, &result);
+    show_progress(testing, loading, NULL);
+    if (!measured) {
         keep_worst(testing, complain(EXIT_NO_MEMORY, "not enough memory to measure"));
     }
     test_report_case(&testing->report, loading,

@@ -49,13 +49,37 @@ static void add_kinds(Words *words)
 
 static const Words *all_words(void)
 {
-    static const char *const others[] = {"//",     "/*",          "*/",          "\\u{",
-                                         "1e9",    "#fff",        "#8090a0",     "scn 1",
-                                         "0.5m",   "\xc3\xa9",    "\n",          "i",
-                                         "a",      "\"lib.scn\"", "\"tri.ply\"", "\"lamp.ies\"",
-                                         "{ }",    "0..<3",       "[1, 2]",      "(1, 2, 3)",
-                                         "0",      "-1",          "transform: ", "material: ",
-                                         "name: ", "color: ",     " = ",         ": "};
+    static const char *const others[] = {"//",
+                                         "/*",
+                                         "*/",
+                                         "\\u{",
+                                         "1e9",
+                                         "#fff",
+                                         "#8090a0",
+                                         "scn 1",
+                                         "0.5m",
+                                         "\xc3\xa9",
+                                         "\n",
+                                         "i",
+                                         "a",
+                                         "\"lib.scn\"",
+                                         "\"tri.ply\"",
+                                         "\"lamp.ies\"",
+                                         "{ }",
+                                         "0..<3",
+                                         "[1, 2]",
+                                         "(1, 2, 3)",
+                                         "0",
+                                         "-1",
+                                         "transform: ",
+                                         "material: ",
+                                         "name: ",
+                                         "color: ",
+                                         " = ",
+                                         ": ",
+                                         "of",
+                                         "expect a within 1% of b",
+                                         "radiance(region((0, 0), (1, 1)))"};
     static Words words;
     if (words.count > 0) {
         return &words;

@@ -66,15 +66,18 @@ static void swap_pieces(Text *text, Random *random)
 static void insert_token(Text *text, Random *random)
 {
     static const char *const tokens[] = {
-        "{",    "}",    "(",        ")",     "[",         "]",     ":",        ",",
-        ".",    "..",   "..<",      "=",     "==",        "-",     "+",        "*",
-        "/",    "^",    "%",        "<",     "import",    "as",    "fn",       "if",
-        "else", "for",  "in",       "with",  "let",       "param", "not",      "and",
-        "true", "a",    "sphere",   "1",     "2.5m",      "\"",    "#",        "#fff",
-        "//",   "/*",   "*/",       ";",     "!",         "&&",    "...",      "1e",
-        "1.",   ".5",   "5 m",      "\\u{",  "\n",        "\t",    "\xc3\xa9", "\xe2\x80\x9c",
-        "\xff", "1__0", "'",        "scn 2", "5\xc2\xb0", "@",     "1e999",    "0x1f",
-        "..=",  "**",   "\xc2\xa0", "\r"};
+        "{",      "}",      "(",      ")",     "[",         "]",
+        ":",      ",",      ".",      "..",    "..<",       "=",
+        "==",     "-",      "+",      "*",     "/",         "^",
+        "%",      "<",      "import", "as",    "fn",        "if",
+        "else",   "for",    "in",     "with",  "let",       "param",
+        "not",    "and",    "true",   "a",     "sphere",    "1",
+        "2.5m",   "\"",     "#",      "#fff",  "//",        "/*",
+        "*/",     ";",      "!",      "&&",    "...",       "1e",
+        "expect", "within", "of",     "1% of", "1.",        ".5",
+        "5 m",    "\\u{",   "\n",     "\t",    "\xc3\xa9",  "\xe2\x80\x9c",
+        "\xff",   "1__0",   "'",      "scn 2", "5\xc2\xb0", "@",
+        "1e999",  "0x1f",   "..=",    "**",    "\xc2\xa0",  "\r"};
     const char *token = tokens[random_below(random, sizeof tokens / sizeof *tokens)];
     size_t at = random_piece(text, random).begin;
     replace(text, at, at, token, strlen(token));

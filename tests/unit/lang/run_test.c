@@ -102,6 +102,9 @@ static const char *const broad =
     "let tree = group { material: red  pair(2)  for (i in 0..<n) { ball { center: (i, 1, 0) } } }\n"
     "for (i in 0..<n) { instance { of: tree, transform: [scale(2), translate(i, 0, 0)] } }\n"
     "lamp { shape: ball {}, name: \"lamp\" }\n"
+    "for (i in 0..2) { expect n + i < 4 and len(str(i)) == 1 }\n"
+    "expect [n, 2] within 10% of [4, 2]\n"
+    "expect radiance(ray((0, 0, 0), (0, 0, 1))) / 2 within 1% of 0.5\n"
     "print(sort([3, 1, 2]), bounds(tree), str(red), [for (x in 1..3) if (x > 1) x])\n";
 
 // Each allocation fails in turn: a clean report, no leak (under the sanitizer), no crash.

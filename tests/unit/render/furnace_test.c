@@ -298,7 +298,9 @@ static void threads_do_not_matter(void **state)
     measure(&lab, material, &one);
     FurnaceOptions options = {.seed = 5, .threads = 3};
     assert_true(furnace_measure(lab.world, material, &options, &three));
-    assert_memory_equal(&one, &three, sizeof one);
+    assert_memory_equal(one.sides, three.sides, sizeof one.sides);
+    assert_true(one.most.value == three.most.value && one.asymmetry == three.asymmetry &&
+                one.sampling_p == three.sampling_p);
     close_lab(&lab);
 }
 

@@ -254,7 +254,9 @@ static void threads_do_not_matter(void **state)
     MeterResult one = measure_with(&lab, (MeterOptions){.seed = 3, .threads = 1});
     MeterResult four = measure_with(&lab, (MeterOptions){.seed = 3, .threads = 4});
     assert_true(one.samples > 8192);
-    assert_memory_equal(&one, &four, sizeof one);
+    assert_int_equal(one.samples, four.samples);
+    assert_memory_equal(one.mean, four.mean, sizeof one.mean);
+    assert_memory_equal(one.half, four.half, sizeof one.half);
     close_lab(&lab);
 }
 
