@@ -68,6 +68,8 @@ IoError sandbox_resolve(const Sandbox *sandbox, Arena *arena, const char *from, 
 // Opens an absolute path for reading: a regular file inside the sandbox, of at most max_file_bytes.
 // Returns the descriptor in *fd, its size in *size. Never waits (for a FIFO's other end, say).
 IoError sandbox_open(const Sandbox *sandbox, const char *path, int *fd, uint64_t *size);
+// True where sandbox_open would find such a file.
+bool sandbox_has(const Sandbox *sandbox, const char *path);
 // Reads a whole file; give it back with file_bytes_free.
 IoError sandbox_read(Sandbox *sandbox, const char *path, FileBytes *out);
 // The same without a sandbox, for files that the user named on the command line ("-" is stdin);

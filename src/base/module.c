@@ -63,6 +63,20 @@ static bool try_list(Search *search, const char *list)
     return false;
 }
 
+// The folder of the running program, without a slash at its end; its length, or 0.
+static size_t program_folder(char *out, size_t size)
+{
+    ssize_t length = readlink("/proc/self/exe", out, size - 1);
+    while (length > 0 && out[length - 1] != '/') {
+        --length;
+    }
+    if (length <= 1) {
+        return 0;
+    }
+    out[length - 1] = '\0';
+    return (size_t)length - 1;
+}
+
 void *module_open(const char *name, char *message, size_t message_size)
 {
     Search search = {.name = name, .message = message, .message_size = message_size};
@@ -77,11 +91,8 @@ void *module_open(const char *name, char *message, size_t message_size)
         return search.module;
     }
     char program[PATH_MAX];
-    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    while (length > 0 && program[length - 1] != '/') {
-        --length;
-    }
-    if (length <= 1) {
+    const size_t length = program_folder(program, sizeof program);
+    if (length == 0) {
         say(&search, search.length ? "" : "the program's own folder is unknown");
         return NULL;
     }
@@ -89,7 +100,7 @@ void *module_open(const char *name, char *message, size_t message_size)
                                         "/../lib/x86_64-linux-gnu/scnrender",
                                         "/../lib/aarch64-linux-gnu/scnrender"};
     for (size_t i = 0; i < sizeof below / sizeof below[0]; ++i) {
-        if (try_folder(&search, program, (size_t)length - 1, below[i])) {
+        if (try_folder(&search, program, length, below[i])) {
             break;
         }
     }
@@ -99,4 +110,20 @@ void *module_open(const char *name, char *message, size_t message_size)
 void *module_symbol(void *module, const char *symbol)
 {
     return dlsym(module, symbol);
+}
+
+static bool folder_at(const char *folder, const char *below, const char *name, char *out,
+                      size_t size)
+{
+    const int wanted = snprintf(out, size, "%s%s/%s", folder, below, name);
+    return *folder && wanted > 0 && (size_t)wanted < size && access(out, R_OK | X_OK) == 0;
+}
+
+bool data_folder(const char *name, char *out, size_t size)
+{
+    const char *given = secure_getenv("SCNRENDER_DATA");
+    char program[PATH_MAX];
+    return (given && folder_at(given, "", name, out, size)) ||
+           (program_folder(program, sizeof program) &&
+            folder_at(program, "/../share/scnrender", name, out, size));
 }

@@ -3,6 +3,7 @@
 #ifndef BASE_MODULE_H
 #define BASE_MODULE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 // Loads NAME.so, where `name` is a bare name ("scn_assimp"), from the first of these folders that
@@ -15,5 +16,10 @@ void *module_open(const char *name, char *message, size_t message_size);
 
 // The address of a symbol of a loaded module; NULL where there is none.
 void *module_symbol(void *module, const char *symbol);
+
+// The folder called `name` of the data that come with the program ("std"), absolute: below the one
+// that the environment's SCNRENDER_DATA names (ignored for programs with raised rights), else below
+// share/scnrender beside the program's own folder. False where there is none.
+bool data_folder(const char *name, char *out, size_t size);
 
 #endif

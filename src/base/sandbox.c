@@ -300,3 +300,14 @@ IoError sandbox_open(const Sandbox *sandbox, const char *path, int *fd, uint64_t
     *size = (uint64_t)info.st_size;
     return IO_OK;
 }
+
+bool sandbox_has(const Sandbox *sandbox, const char *path)
+{
+    int fd;
+    uint64_t size;
+    const bool found = sandbox_open(sandbox, path, &fd, &size) == IO_OK;
+    if (found) {
+        close(fd);
+    }
+    return found;
+}

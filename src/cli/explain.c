@@ -44,6 +44,8 @@ static void explain_integrator(const IntegratorClass *integrator)
 {
     printf("render { integrator: \"%s\" }\n", integrator->name);
     print_paragraph(integrator->doc);
+    puts("\nExample:");
+    manual_write_code(stdout, integrator->example, "scn", MANUAL_TEXT);
 }
 
 static void list_all(const Schema *schema)
@@ -141,10 +143,41 @@ static const char *nearest_entry(const Schema *schema, const char *name)
     return near;
 }
 
+// The example of the entry, or NULL.
+static const char *example_of(const Schema *schema, const char *name)
+{
+    int kind = schema_find(schema, str_from(name));
+    if (kind >= 0 && schema->types[kind]->example) {
+        return schema->types[kind]->example;
+    }
+    for (size_t i = 0; integrator_classes[i]; ++i) {
+        if (strcmp(integrator_classes[i]->name, name) == 0) {
+            return integrator_classes[i]->example;
+        }
+    }
+    DiagCode code = diag_find(str_from(name));
+    return code == DIAG_CODE_COUNT || !*diag_info(code)->example ? NULL : diag_info(code)->example;
+}
+
+static int print_example(const Schema *schema, const char *name)
+{
+    const char *example = name ? example_of(schema, name) : NULL;
+    if (!example) {
+        fprintf(stderr, "scnrender: %s%s%s has no example\n", name ? "`" : "",
+                name ? name : "no entry", name ? "`" : "");
+        return EXIT_USAGE;
+    }
+    puts(example);
+    return EXIT_OK;
+}
+
 int command_explain(const Options *options)
 {
     const Schema *schema = render_schema();
     const char *name = options->operand;
+    if (options->example) {
+        return print_example(schema, name);
+    }
     if (!name) {
         list_all(schema);
         return EXIT_OK;

@@ -84,7 +84,10 @@ static int open_sandbox(Loading *loading)
     for (size_t i = 0; code == EXIT_OK && i < loading->options->folder_count; ++i) {
         code = allow(loading, loading->options->folders[i]);
     }
-    return code;
+    IoError error = code == EXIT_OK ? lang_use_library(&loading->lang) : IO_OK;
+    return error == IO_OK
+               ? code
+               : complain(EXIT_FILES, "can't read the standard library: %s", io_error_text(error));
 }
 
 int loading_begin(Loading *loading, const Options *options)

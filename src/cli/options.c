@@ -417,6 +417,9 @@ static bool take(Parser *parser, OptionId id, const char *text)
     case OPTION_CHECK:
         options->check = true;
         return true;
+    case OPTION_EXAMPLE:
+        options->example = true;
+        return true;
     case OPTION_DIFF:
         options->diff = true;
         return true;

@@ -63,6 +63,7 @@ typedef struct Options {
     const char *tev;            // of watch: HOST:PORT; NULL: no tev
     bool json_report;           // --json
     double confidence;          // of test; 0: the scene's
+    bool example;               // of explain
     Vec3 at;                    // --at
     const ExportTarget *target; // --to, --for; or NULL
     const char *const *aovs;    // names

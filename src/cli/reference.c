@@ -26,7 +26,8 @@ static void print_contents(const Schema *schema)
         "# Reference of the scene language\n\n"
         "Made by `tools/docs` from the tables that the program runs on; not to be edited. The same "
         "text, entry by entry, is behind `scnrender explain NAME`. The grammar is in "
-        "[grammar/scn.ebnf](../grammar/scn.ebnf).\n");
+        "[grammar/scn.ebnf](../grammar/scn.ebnf).\n\nEach example is a scene: `scnrender explain "
+        "--example ggx >ggx.scn` writes one down. Files that examples name lie in `examples/`.\n");
     for (int category = 0; category < CATEGORY_COUNT; ++category) {
         const char *name = category_name((Category)category);
         if (!has_kinds(schema, category)) {
@@ -41,11 +42,12 @@ static void print_contents(const Schema *schema)
 static void print_integrators(void)
 {
     puts("\n## Integrators\n\nWhat finds the light along a ray, chosen by `render { integrator: "
-         "\"path\" }`.\n\n| name | |\n|---|---|");
+         "\"path\" }`.");
     for (size_t i = 0; integrator_classes[i]; ++i) {
-        printf("| `\"%s\"` | ", integrator_classes[i]->name);
-        manual_write_cell(stdout, integrator_classes[i]->doc);
-        puts(" |");
+        const IntegratorClass *integrator = integrator_classes[i];
+        printf("\n### `%s`\n\n%s\n", integrator->name, integrator->doc);
+        manual_write_picture(stdout, integrator->name);
+        manual_write_code(stdout, integrator->example, "scn", MANUAL_MARKDOWN);
     }
 }
 

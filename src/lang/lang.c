@@ -4,10 +4,12 @@
 
 #include "base/big_stack.h"
 #include "base/mem.h"
+#include "base/module.h"
 #include "lang/eval.h"
 #include "lang/lexer.h"
 #include "lang/params.h"
 
+#include <limits.h>
 #include <string.h>
 #include <xxhash.h>
 
@@ -18,6 +20,16 @@ bool lang_init(Lang *lang, const Schema *schema, Sandbox *sandbox)
     interner_init(&lang->names, &lang->arena);
     diag_sink_init(&lang->sink, &lang->arena);
     return true;
+}
+
+IoError lang_use_library(Lang *lang)
+{
+    char folder[PATH_MAX];
+    if (!data_folder("std", folder, sizeof folder)) {
+        return IO_OK;
+    }
+    lang->library = arena_copy_string(&lang->arena, folder, strlen(folder));
+    return lang->library ? sandbox_allow(lang->sandbox, folder) : IO_NO_MEMORY;
 }
 
 void lang_free(Lang *lang)

@@ -64,7 +64,8 @@ typedef struct Lang {
     Interner names;
     DiagSink sink;
     const Schema *schema;
-    Sandbox *sandbox; // not owned
+    Sandbox *sandbox;    // not owned
+    const char *library; // folder of the standard library; NULL: none. See lang_use_library
     Limits limits;
     const ParamSetting *settings;
     size_t setting_count;
@@ -91,6 +92,9 @@ typedef struct Lang {
 
 bool lang_init(Lang *lang, const Schema *schema, Sandbox *sandbox);
 void lang_free(Lang *lang);
+// Lets `import "std/…"` find the standard library that came with the program, where there is one,
+// and lets the sandbox read it.
+IoError lang_use_library(Lang *lang);
 
 // Reads, parses, resolves and evaluates the file at `path` (absolute, inside the sandbox; shown as
 // `shown`) into *scene, which the caller has initialised. False when an error was reported; all

@@ -121,6 +121,21 @@ static void report_import_cycle(Eval *ev, Span at, Str written)
     diag_note(ev->sink, diag, "move what both files need into a third one");
 }
 
+// The file that an import names: relative to the file that it stands in; but where there is no such
+// file and the name begins with std/, that of the standard library.
+static IoError find_file(Eval *ev, const Module *module, Str written, const char **real)
+{
+    const Sandbox *sandbox = ev->lang->sandbox;
+    const char *from = source_get(&ev->lang->sources, module->file)->real;
+    const IoError error = sandbox_resolve(sandbox, ev->arena, from, written, real);
+    const bool library =
+        ev->lang->library && written.length > 4 && memcmp(written.at, "std/", 4) == 0;
+    if (!library || (error == IO_OK && sandbox_has(sandbox, *real))) {
+        return error;
+    }
+    return sandbox_resolve(sandbox, ev->arena, ev->lang->library, written, real);
+}
+
 // The number of the imported module + 1, or 0 after a report.
 static uint32_t import_file(Eval *ev, Module *module, AstId item)
 {
@@ -132,9 +147,8 @@ static uint32_t import_file(Eval *ev, Module *module, AstId item)
     }
     Span path_at = ast_span(&module->ast, node->a);
     Str written = symbol_name(ev->names, path->a);
-    const char *from = source_get(&ev->lang->sources, module->file)->real;
     const char *real;
-    IoError error = sandbox_resolve(ev->lang->sandbox, ev->arena, from, written, &real);
+    IoError error = find_file(ev, module, written, &real);
     if (error != IO_OK) {
         report(ev, E0601, path_at, "`%s` can't be read: %s", written.at, io_error_text(error));
         return 0;

@@ -22,6 +22,7 @@ typedef struct IntegratorStats {
 typedef struct IntegratorClass {
     const char *name; // as in render { integrator: "path" }
     const char *doc;
+    const char *example; // a scene
     // Incoming radiance along `ray` (W/m²/sr, linear Rec.709).  `aov` may be NULL. Thread-safe.
     Rgb (*radiance)(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
                     IntegratorStats *stats);

@@ -120,8 +120,20 @@ const NodeType film_kind = {
         "Hable "
         "2010 (Uncharted 2) with white at 11.2. All but linear end with the sRGB transfer "
         "function.",
-    .example = "film { width: 1920, height: 1080, exposure: 1, tone: \"aces\"\n"
-               "       aovs: [\"albedo\", \"normal\"] }",
+    .example =
+        "film { width: 480, height: 300, exposure: 0.5, tone: \"filmic\", filter: \"gaussian\" }\n"
+        "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: (0, 0, 1.5) }, "
+        "radiance: 12 }\n"
+        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], space: \"uv\" } }\n"
+        "plane { material: lambert { color: gray(0.5) } }\n"
+        "for (i in 0..2) {\n"
+        "  sphere {\n"
+        "    center: (1.05 * (i - 1), 0.5, 0)\n"
+        "    radius: 0.5\n"
+        "    material: ggx { f0: hsv(40deg * i, 0.5, 0.9), alpha: 0.3 }\n"
+        "  }\n"
+        "}",
     .finish = film_finish,
 };
 
@@ -227,7 +239,19 @@ const NodeType render_kind = {
     .param_count = sizeof render_params / sizeof *render_params,
     .size = sizeof(RenderParams),
     .doc = "How the picture is computed.",
-    .example = "render { samples: 256, bounces: 8, seed: 7 }",
+    .example = "render { samples: 256, bounces: 8, seed: 7 }\n"
+               "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+               "rectangle {\n"
+               "  corner: (-2, 0, 2)\n"
+               "  u: (4, 0, 0)\n"
+               "  v: (0, 0, -3)\n"
+               "  material: lambert { color: gray(0.7) }\n"
+               "}\n"
+               "rectangle { corner: (-2, 0, -1), u: (4, 0, 0), v: (0, 3, 0), material: lambert { "
+               "color: #b04030 } }\n"
+               "area_light { shape: rectangle { corner: (-1, 2.4, -0.5), u: (2, 0, 0), v: (0, 0, "
+               "1) }, radiance: 5 }\n"
+               "sphere { center: (0, 0.5, 0), radius: 0.5, material: fresnel { ior: 1.5 } }",
     .finish = render_finish,
 };
 
@@ -260,8 +284,21 @@ const NodeType test_kind = {
     .formula = "Samples are doubled until the confidence interval of the mean lies wholly on one "
                "side of what is expected: Student's t over 32 independent randomizations of the "
                "sampler, with Bonferroni's correction for the looks and channels.",
-    .example = "test { confidence: 0.9999, samples: 1e6 }\n"
-               "expect radiance(region((0, 0), (9, 9))) within 1% of 0.5",
+    .example = "// Under an even sky a matt ball that stands alone sends back its color, whatever "
+               "its shape.\n"
+               "film { width: 240, height: 150 }\n"
+               "test { confidence: 0.9999, samples: 1e6 }\n"
+               "camera { position: (0, 0, 4), look_at: (0, 0, 0), fov: 30deg }\n"
+               "environment_light { radiance: 1 }\n"
+               "for (i in 0..2) {\n"
+               "  sphere {\n"
+               "    center: (1.2 * (i - 1), 0, 0)\n"
+               "    radius: 0.4\n"
+               "    material: lambert { color: gray(0.2 + 0.3 * i) }\n"
+               "  }\n"
+               "}\n"
+               "expect radiance(region((115, 70), (125, 80))) within 1% of 0.5\n"
+               "expect radiance(region((30, 70), (40, 80))) within 1% of 0.2",
 };
 
 TestParams scene_test(const Scene *scene)
@@ -307,7 +344,19 @@ const NodeType until_kind = {
         "pixel "
         "is the even mean of the two (after Kirk and Arvo 1991, Unbiased Sampling Techniques for "
         "Image Synthesis).",
-    .example = "render { stop: until { error: 0.02, confidence: 0.95 }, time_limit: 60s }",
+    .example =
+        "// The lamp's soft shadow needs many samples, the open floor few.\n"
+        "render { samples: 4096, stop: until { error: 0.05, confidence: 0.95 }, time_limit: 60s }\n"
+        "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: (0, 0, 1.5) }, "
+        "radiance: 12 }\n"
+        "plane { material: lambert { color: gray(0.6) } }\n"
+        "for (i in 0..2) {\n"
+        "  sphere {\n"
+        "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+        "    material: burley { color: hsv(50deg * i, 0.6, 0.7) }\n"
+        "  }\n"
+        "}",
 };
 
 const StopRule *scene_stop_rule(const Scene *scene, const RenderParams *render)

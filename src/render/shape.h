@@ -17,8 +17,8 @@ typedef struct RayEnds {
     uint32_t flat;     // number + 1 of the flat piece of surface that the ray leaves; 0: none
     uint32_t instance; // that it is in
     float normal[3];   // of the piece in its group's space, unit, on the ray's side
-    float facing; // cosine between the ray and the normal of the surface just beyond tmax, which
-                  // doesn't count; 0: no such surface
+    float facing;   // cosine between the ray and the normal of the surface just beyond tmax, which
+                    // doesn't count; 0: no such surface
     bool near_edge; // the ray starts so near to the piece's edges that it has to take care
 } RayEnds;
 

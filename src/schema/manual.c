@@ -49,6 +49,11 @@ void manual_write_code(FILE *out, const char *text, const char *language, Manual
     }
 }
 
+void manual_write_picture(FILE *out, const char *name)
+{
+    fprintf(out, "\n![%s](kinds/%s.png)\n", name, name);
+}
+
 void manual_write_cell(FILE *out, const char *text)
 {
     for (; *text; ++text) {
@@ -307,6 +312,9 @@ static void write_kind_markdown(const NodeType *type, FILE *out)
         fputs("\nBeside fields it takes items: what they emit belongs to it.\n", out);
     }
     manual_write_code(out, type->formula, "text", MANUAL_MARKDOWN);
+    if (type->example) {
+        manual_write_picture(out, type->name);
+    }
     manual_write_code(out, type->example, "scn", MANUAL_MARKDOWN);
 }
 

@@ -28,6 +28,9 @@ void manual_write_units(FILE *out, ManualStyle style);
 void manual_write_wrapped(FILE *out, const char *text, int indent, int at, int width);
 // Lines as they are, set in by four blanks, or in a fence of the given language.
 void manual_write_code(FILE *out, const char *text, const char *language, ManualStyle style);
+// The picture of the example of the kind or integrator called `name`, for Markdown. tools/docs
+// makes the picture.
+void manual_write_picture(FILE *out, const char *name);
 // A cell of a Markdown table: `|` would end it.
 void manual_write_cell(FILE *out, const char *text);
 

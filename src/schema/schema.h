@@ -243,7 +243,9 @@ struct NodeType {
     bool internal;       // can't be written in a scene (made by texture arithmetic, …)
     const char *doc;     // a sentence or two
     const char *formula; // plain text, with its source; may be NULL
-    const char *example; // a few lines of scn; may be NULL
+    // A scene of about ten lines that can be rendered where examples/ is the folder: the manual's
+    // picture is made of it. May be NULL.
+    const char *example;
     // Checks what a table can't (one of two fields, no zero edge, …) and derives what the renderer
     // wants (min and max from center and size, …). May be NULL. False: the node is not to be kept,
     // which needs at least one error reported.

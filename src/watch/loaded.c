@@ -53,6 +53,11 @@ static const char *find_scene(Loaded *loaded, const SceneRequest *request, FileW
             return NULL;
         }
     }
+    IoError error = lang_use_library(&loaded->lang);
+    if (error != IO_OK) {
+        fail(loaded, "the %s can't be read: %s", "standard library", io_error_text(error));
+        return NULL;
+    }
     return path;
 }
 

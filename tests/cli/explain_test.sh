@@ -3,7 +3,7 @@
 run reference
 expect_code 0
 cp out manual
-sed -n '/^## Integrators/,/^## Units/s/^| `"\([a-z_]*\)"`.*/\1/p' manual >integrators
+sed -n '/^## Integrators/,/^## Units/s/^### `\([a-z_]*\)`$/\1/p' manual >integrators
 [ "$(wc -l <integrators)" -ge 8 ] || fail "the integrators can't be listed"
 for name in $(cat integrators); do
     run explain "$name"
@@ -17,7 +17,7 @@ for name in $(cat functions); do
     expect_code 0
     expect_text out "$name("
 done
-for name in $(sed -n 's/^### `\([a-z_]*\)`$/\1/p' manual); do
+for name in $(sed '/^## Integrators/,$d' manual | sed -n 's/^### `\([a-z_]*\)`$/\1/p'); do
     run explain "$name"
     expect_code 0
     expect_text out "$name: a"
@@ -29,4 +29,18 @@ expect_text out "phong(n, v, l, e, k)"
 run explain norml
 expect_code 2
 expect_text err "did you mean \`normals\`"
+# The example alone, which is a scene; each has its picture in the manual.
+run explain --example ggx
+expect_code 0
+expect_text out "material: ggx {"
+"$SCNRENDER" check - <out >log 2>&1 || fail "the example of ggx: $(cat log)"
+for name in $(sed -n 's/^!\[.*](kinds\/\(.*\)\.png)$/\1/p' manual); do
+    [ -f "$SOURCE_DIR/docs/kinds/$name.png" ] || fail "docs/kinds/$name.png is missing: tools/docs --pictures $name"
+done
+for name in sphere lambert image point_light smooth_cone window camera film path; do
+    grep -q "kinds/$name.png" manual || fail "no picture of $name in the manual"
+done
+run explain --example sin
+expect_code 2
+expect_text err "\`sin\` has no example"
 finish

@@ -32,7 +32,8 @@ static Rgb flash_radiance(const World *world, const Ray *ray, Sampler *sampler, 
     const bool flash = (double)independent(sampler) * flash_rarity < 1;
     return rgb_gray((float)(0.1 + (flash ? 0.9 * flash_rarity : 0)));
 }
-static const IntegratorClass flashes = {"flashes", "of the test", flash_radiance, NULL};
+static const IntegratorClass flashes = {
+    .name = "flashes", .doc = "of the test", .radiance = flash_radiance};
 
 // Even noise between 0 and 2.
 static Rgb even_radiance(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
@@ -41,7 +42,8 @@ static Rgb even_radiance(const World *world, const Ray *ray, Sampler *sampler, A
     (void)world, (void)ray, (void)aov, (void)stats;
     return rgb_gray(2 * independent(sampler));
 }
-static const IntegratorClass even = {"even", "of the test", even_radiance, NULL};
+static const IntegratorClass even = {
+    .name = "even", .doc = "of the test", .radiance = even_radiance};
 
 // --- Pictures ------------------------------------------------------------------------------------
 

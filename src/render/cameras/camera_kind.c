@@ -237,7 +237,25 @@ const NodeType camera_kind = {
         "depth s, of diameter A |d - s| / d with A = 2 aperture. fisheye: equidistant, the angle "
         "off the axis grows with the distance from the picture's middle, fov from the bottom to "
         "the top. panorama: longitude and latitude, the direction looked along in the middle.",
-    .example = "camera { position: (0, 2, 6), look_at: (0, 0.5, 0), fov: 40deg\n"
-               "         f_stop: 2.8, focal_length: 50mm, focus_at: (0, 0.5, 1) }",
+    .example =
+        "camera {\n"
+        "  position: (0, 1.2, 4)\n"
+        "  look_at: (0, 0.4, 0)\n"
+        "  fov: 30deg\n"
+        "  aperture: 6cm\n"
+        "  focus_at: (0, 0.3, 0)\n"
+        "}\n"
+        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], space: \"uv\" } }\n"
+        "plane {\n"
+        "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), space: \"world\", "
+        "scale: 2 } }\n"
+        "}\n"
+        "for (i in 0..8) {\n"
+        "  sphere {\n"
+        "    center: (0.4 * i - 1.6, 0.3, 1.2 - 0.3 * i)\n"
+        "    radius: 0.25\n"
+        "    material: burley { color: hsv(40deg * i, 0.7, 0.8) }\n"
+        "  }\n"
+        "}",
     .finish = camera_finish,
 };

@@ -32,5 +32,20 @@ const IntegratorClass ambient_occlusion_integrator = {
     .doc = "How open each point lies, whatever the lights and materials: the part of an evenly "
            "bright sky's light that reaches it, (1/π) ∫ V cosθ dω, from 1 (nothing near) to 0. "
            "Only what is nearer than `ao_distance` hides the sky. Black where nothing is hit.",
+    .example =
+        "render { integrator: \"ambient_occlusion\", ao_distance: 1 }\n"
+        "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+        "directional_light { direction: (-1, -1.5, -1), irradiance: 3 }\n"
+        "environment_light { color: #a8c4e8, radiance: 0.3 }\n"
+        "plane { material: phong { color: gray(0.5), ambient: 0.15 } }\n"
+        "sphere {\n"
+        "  center: (-0.8, 0.5, 0)\n"
+        "  radius: 0.5\n"
+        "  material: phong { color: #b03020, ambient: 0.15, diffuse: 0.6, specular: 0.3, "
+        "shininess: 60 }\n"
+        "}\n"
+        "sphere { center: (0.3, 0.4, -0.6), radius: 0.4, material: mirror { color: gray(0.9) } }\n"
+        "box { min: (0.6, 0, -0.2), max: (1.2, 0.6, 0.4), material: phong { color: #3060a0, "
+        "ambient: 0.15 } }",
     .radiance = radiance,
 };

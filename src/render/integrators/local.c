@@ -210,6 +210,24 @@ const IntegratorClass local_integrator = {
            "the slides do; the ambient term never has any. An area light counts as a small light "
            "in its middle direction; surroundings are seen but light nothing, and where there are "
            "none, rays that miss everything are black.",
+    .example =
+        "render { integrator: \"local\" }\n"
+        "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+        "directional_light { direction: (-1, -1.5, -1), irradiance: 1 }\n"
+        "plane { material: phong { color: gray(0.5), ambient: 0.15 } }\n"
+        "sphere {\n"
+        "  center: (-0.8, 0.5, 0)\n"
+        "  radius: 0.5\n"
+        "  material: phong { color: #b03020, ambient: 0.15, diffuse: 0.6, specular: 0.3, "
+        "shininess: 60 }\n"
+        "}\n"
+        "sphere {\n"
+        "  center: (0.3, 0.4, -0.6)\n"
+        "  radius: 0.4\n"
+        "  material: blinn_phong { color: #d0a030, ambient: 0.15, diffuse: 0.6, specular: 0.3 }\n"
+        "}\n"
+        "box { min: (0.6, 0, -0.2), max: (1.2, 0.6, 0.4), material: phong { color: #3060a0, "
+        "ambient: 0.15 } }",
     .radiance = radiance,
     .check = check,
 };

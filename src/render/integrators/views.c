@@ -36,6 +36,21 @@ const IntegratorClass normals_integrator = {
     .doc = "A view: the shading normal of the side that is seen, in the world, as the color "
            "(n + 1)/2: red grows with x, green with y, blue with z. `tone: \"linear\"` writes "
            "these numbers as they are.",
+    .example =
+        "render { integrator: \"normals\" }\n"
+        "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+        "directional_light { direction: (-1, -1.5, -1), irradiance: 3 }\n"
+        "environment_light { color: #a8c4e8, radiance: 0.3 }\n"
+        "plane { material: phong { color: gray(0.5), ambient: 0.15 } }\n"
+        "sphere {\n"
+        "  center: (-0.8, 0.5, 0)\n"
+        "  radius: 0.5\n"
+        "  material: phong { color: #b03020, ambient: 0.15, diffuse: 0.6, specular: 0.3, "
+        "shininess: 60 }\n"
+        "}\n"
+        "sphere { center: (0.3, 0.4, -0.6), radius: 0.4, material: mirror { color: gray(0.9) } }\n"
+        "box { min: (0.6, 0, -0.2), max: (1.2, 0.6, 0.4), material: phong { color: #3060a0, "
+        "ambient: 0.15 } }",
     .radiance = normals,
 };
 
@@ -71,6 +86,21 @@ const IntegratorClass depth_integrator = {
            "farthest corner of the box around all bounded shapes; linear in the depth along the "
            "camera's axis (fisheye and panorama: the distance). Metres are in the layer of "
            "`film { aovs: [\"depth\"] }`.",
+    .example =
+        "render { integrator: \"depth\" }\n"
+        "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+        "directional_light { direction: (-1, -1.5, -1), irradiance: 3 }\n"
+        "environment_light { color: #a8c4e8, radiance: 0.3 }\n"
+        "disc { radius: 2, normal: (0, 1, 0), material: lambert {} }\n"
+        "sphere {\n"
+        "  center: (-0.8, 0.5, 0)\n"
+        "  radius: 0.5\n"
+        "  material: phong { color: #b03020, ambient: 0.15, diffuse: 0.6, specular: 0.3, "
+        "shininess: 60 }\n"
+        "}\n"
+        "sphere { center: (0.3, 0.4, -0.6), radius: 0.4, material: mirror { color: gray(0.9) } }\n"
+        "box { min: (0.6, 0, -0.2), max: (1.2, 0.6, 0.4), material: phong { color: #3060a0, "
+        "ambient: 0.15 } }",
     .radiance = depth,
 };
 
@@ -96,6 +126,21 @@ const IntegratorClass uv_integrator = {
     .name = "uv",
     .doc = "A view: the texture coordinates, u as red and v as green, each modulo 1, with blue "
            "0.25. A jump to black-blue is where a texture is repeated.",
+    .example =
+        "render { integrator: \"uv\" }\n"
+        "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+        "directional_light { direction: (-1, -1.5, -1), irradiance: 3 }\n"
+        "environment_light { color: #a8c4e8, radiance: 0.3 }\n"
+        "plane { material: phong { color: gray(0.5), ambient: 0.15 } }\n"
+        "sphere {\n"
+        "  center: (-0.8, 0.5, 0)\n"
+        "  radius: 0.5\n"
+        "  material: phong { color: #b03020, ambient: 0.15, diffuse: 0.6, specular: 0.3, "
+        "shininess: 60 }\n"
+        "}\n"
+        "sphere { center: (0.3, 0.4, -0.6), radius: 0.4, material: mirror { color: gray(0.9) } }\n"
+        "box { min: (0.6, 0, -0.2), max: (1.2, 0.6, 0.4), material: phong { color: #3060a0, "
+        "ambient: 0.15 } }",
     .radiance = uv,
 };
 
@@ -138,5 +183,20 @@ const IntegratorClass object_id_integrator = {
     .doc = "A view: each shape, and each shape of each instance, in a color of its own that "
            "depends on its number only. Exact numbers are in the layer of "
            "`film { aovs: [\"object_id\"] }`.",
+    .example =
+        "render { integrator: \"object_id\" }\n"
+        "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+        "directional_light { direction: (-1, -1.5, -1), irradiance: 3 }\n"
+        "environment_light { color: #a8c4e8, radiance: 0.3 }\n"
+        "plane { material: phong { color: gray(0.5), ambient: 0.15 } }\n"
+        "sphere {\n"
+        "  center: (-0.8, 0.5, 0)\n"
+        "  radius: 0.5\n"
+        "  material: phong { color: #b03020, ambient: 0.15, diffuse: 0.6, specular: 0.3, "
+        "shininess: 60 }\n"
+        "}\n"
+        "sphere { center: (0.3, 0.4, -0.6), radius: 0.4, material: mirror { color: gray(0.9) } }\n"
+        "box { min: (0.6, 0, -0.2), max: (1.2, 0.6, 0.4), material: phong { color: #3060a0, "
+        "ambient: 0.15 } }",
     .radiance = object_id,
 };

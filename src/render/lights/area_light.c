@@ -282,18 +282,28 @@ static float pdf(const World *world, const Light *light, Vec3 reference, Vec3 di
 }
 
 const LightClass area_light_light = {
-    .node = {.name = "area_light",
-             .category = CATEGORY_LIGHT,
-             .params = PARAMS,
-             .param_count = sizeof PARAMS / sizeof *PARAMS,
-             .size = sizeof(AreaLight),
-             .doc =
-                 "A shape that emits light diffusely from its front side: a lamp with a size, and "
-                 "so with soft shadows.",
-             .formula = "L = radiance, or Φ / (π A), halved if two-sided",
-             .example = "area_light { shape: rectangle { corner: (-1, 3, -1), u: (2, 0, 0), v: "
-                        "(0, 0, 2) }, power: 4000lm, color: blackbody(4000K) }",
-             .finish = finish},
+    .node =
+        {.name = "area_light",
+         .category = CATEGORY_LIGHT,
+         .params = PARAMS,
+         .param_count = sizeof PARAMS / sizeof *PARAMS,
+         .size = sizeof(AreaLight),
+         .doc = "A shape that emits light diffusely from its front side: a lamp with a size, and "
+                "so with soft shadows.",
+         .formula = "L = radiance, or Φ / (π A), halved if two-sided",
+         .example =
+             "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+             "plane { material: lambert { color: gray(0.6) } }\n"
+             "plane { point: (0, 0, -1), normal: (0, 0, 1), material: lambert { color: gray(0.6) } "
+             "}\n"
+             "area_light {\n"
+             "  shape: disc { center: (-0.8, 1.5, 0.2), normal: (0.3, -1, 0), radius: 0.3 }\n"
+             "  power: 40W\n"
+             "}\n"
+             "area_light { shape: sphere { center: (0.9, 1, -0.3), radius: 0.15 }, color: #ffb060, "
+             "radiance: 12 }\n"
+             "sphere { center: (0, 0.4, 0), radius: 0.4, material: lambert { color: #c0704a } }",
+         .finish = finish},
     .prepare = prepare_area_light,
     .sample = sample,
     .pdf = pdf,

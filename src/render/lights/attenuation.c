@@ -18,8 +18,19 @@ const AttenuationClass inverse_square_attenuation = {
              .category = CATEGORY_ATTENUATION,
              .doc = "The natural law: the only one that conserves energy.",
              .formula = "1 / r²",
-             .example = "point_light { position: (0, 2, 0), power: 60W, attenuation: "
-                        "inverse_square {} }"},
+             .example = "camera { position: (0, 2, 3.6), look_at: (0, 0.2, 0), fov: 32deg }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "for (i in 0..6) {\n"
+                        "  cylinder {\n"
+                        "    from: (0.5 * i - 1.5, 0, 0)\n"
+                        "    to: (0.5 * i - 1.5, 0.5, 0)\n"
+                        "    radius: 0.12\n"
+                        "    material: lambert { color: #d0b090 }\n"
+                        "  }\n"
+                        "}\n"
+                        "point_light { position: (-2, 0.8, 1), intensity: 6, attenuation: "
+                        "inverse_square {} }\n"
+                        "environment_light { radiance: 0.03 }"},
     .natural = always_natural,
     .factor = inverse_square,
 };
@@ -31,13 +42,24 @@ static double constant(const void *params, double r)
 }
 
 const AttenuationClass constant_attenuation = {
-    .node = {.name = "constant",
-             .category = CATEGORY_ATTENUATION,
-             .doc =
-                 "No falling off: the irradiance is the intensity at any distance. Not physical.",
-             .formula = "1",
-             .example = "point_light { position: (0, 2, 0), intensity: 3, attenuation: constant {} "
-                        "}"},
+    .node =
+        {.name = "constant",
+         .category = CATEGORY_ATTENUATION,
+         .doc = "No falling off: the irradiance is the intensity at any distance. Not physical.",
+         .formula = "1",
+         .example =
+             "camera { position: (0, 2, 3.6), look_at: (0, 0.2, 0), fov: 32deg }\n"
+             "plane { material: lambert { color: gray(0.5) } }\n"
+             "for (i in 0..6) {\n"
+             "  cylinder {\n"
+             "    from: (0.5 * i - 1.5, 0, 0)\n"
+             "    to: (0.5 * i - 1.5, 0.5, 0)\n"
+             "    radius: 0.12\n"
+             "    material: lambert { color: #d0b090 }\n"
+             "  }\n"
+             "}\n"
+             "point_light { position: (-2, 0.8, 1), intensity: 2.5, attenuation: constant {} }\n"
+             "environment_light { radiance: 0.03 }"},
     .factor = constant,
 };
 
@@ -101,8 +123,19 @@ const AttenuationClass polynomial_attenuation = {
              .size = sizeof(Polynomial),
              .doc = "The law of early graphics hardware. Not physical, unless only c is set.",
              .formula = "1 / (a + b r + c r²)",
-             .example = "point_light { position: (0, 2, 0), intensity: 3, attenuation: polynomial "
-                        "{ a: 1, b: 0.5 } }",
+             .example = "camera { position: (0, 2, 3.6), look_at: (0, 0.2, 0), fov: 32deg }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "for (i in 0..6) {\n"
+                        "  cylinder {\n"
+                        "    from: (0.5 * i - 1.5, 0, 0)\n"
+                        "    to: (0.5 * i - 1.5, 0.5, 0)\n"
+                        "    radius: 0.12\n"
+                        "    material: lambert { color: #d0b090 }\n"
+                        "  }\n"
+                        "}\n"
+                        "point_light { position: (-2, 0.8, 1), intensity: 4, attenuation: "
+                        "polynomial { a: 1, b: 0, c: 0.3 } }\n"
+                        "environment_light { radiance: 0.03 }",
              .finish = finish_polynomial},
     .natural = polynomial_is_natural,
     .factor = polynomial,
@@ -164,8 +197,19 @@ const AttenuationClass window_attenuation = {
              .size = sizeof(Window),
              .doc = "Full up to one distance, nothing from another on. Not physical.",
              .formula = "1 for r ≤ start; (1 - (r - start)/(end - start))² between; 0 for r ≥ end",
-             .example = "point_light { position: (0, 2, 0), intensity: 3, attenuation: window { "
-                        "start: 1m, end: 4m } }",
+             .example = "camera { position: (0, 2, 3.6), look_at: (0, 0.2, 0), fov: 32deg }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "for (i in 0..6) {\n"
+                        "  cylinder {\n"
+                        "    from: (0.5 * i - 1.5, 0, 0)\n"
+                        "    to: (0.5 * i - 1.5, 0.5, 0)\n"
+                        "    radius: 0.12\n"
+                        "    material: lambert { color: #d0b090 }\n"
+                        "  }\n"
+                        "}\n"
+                        "point_light { position: (-2, 0.8, 1), intensity: 4, attenuation: window { "
+                        "start: 1, end: 3 } }\n"
+                        "environment_light { radiance: 0.03 }",
              .finish = finish_window},
     .factor = window,
 };

@@ -139,19 +139,27 @@ static Rgb escaped(const World *world, const Light *light, Vec3 direction)
 }
 
 const LightClass directional_light_light = {
-    .node = {.name = "directional_light",
-             .category = CATEGORY_LIGHT,
-             .params = PARAMS,
-             .param_count = sizeof PARAMS / sizeof *PARAMS,
-             .size = sizeof(DirectionalLight),
-             .doc = "Light from infinitely far away (the slides' directional light): out of one "
-                    "direction everywhere, or, with an `angle`, out of a disc in the sky such as "
-                    "the sun's.",
-             .formula = "E = irradiance · cos θ; the disc's radiance is irradiance / (π sin²(angle "
-                        "/ 2))",
-             .example = "directional_light { direction: (-1, -2, -1), irradiance: 80000lx, angle: "
-                        "0.53deg, color: blackbody(5800K) }",
-             .finish = finish},
+    .node =
+        {.name = "directional_light",
+         .category = CATEGORY_LIGHT,
+         .params = PARAMS,
+         .param_count = sizeof PARAMS / sizeof *PARAMS,
+         .size = sizeof(DirectionalLight),
+         .doc = "Light from infinitely far away (the slides' directional light): out of one "
+                "direction everywhere, or, with an `angle`, out of a disc in the sky such as "
+                "the sun's.",
+         .formula = "E = irradiance · cos θ; the disc's radiance is irradiance / (π sin²(angle "
+                    "/ 2))",
+         .example =
+             "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+             "plane { material: lambert { color: gray(0.6) } }\n"
+             "plane { point: (0, 0, -1), normal: (0, 0, 1), material: lambert { color: gray(0.6) } "
+             "}\n"
+             "directional_light { direction: (-1, -1, -1.2), irradiance: 3, angle: 5deg } // ten "
+             "times the sun's disc\n"
+             "environment_light { color: #a8c4e8, radiance: 0.15 }\n"
+             "sphere { center: (0, 0.4, 0), radius: 0.4, material: lambert { color: #c0704a } }",
+         .finish = finish},
     .infinite = true,
     .prepare = prepare,
     .sample = sample,

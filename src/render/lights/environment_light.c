@@ -315,8 +315,16 @@ const LightClass environment_light_light = {
                     "surroundings.",
              .formula = "u = 1/2 + atan2(d.x, -d.z) / 2π from the left, v = acos(d.y) / π from the "
                         "top, d the direction looked in",
-             .example =
-                 "environment_light { image: \"studio.exr\", radiance: 0.8, rotation: 90deg }",
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "environment_light { image: \"textures/sky.exr\", rotation: 40deg }\n"
+                        "plane {\n"
+                        "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), "
+                        "space: \"world\", scale: 2 } }\n"
+                        "}\n"
+                        "sphere { center: (-0.55, 0.5, 0), radius: 0.5, material: mirror { color: "
+                        "gray(0.9) } }\n"
+                        "sphere { center: (0.55, 0.5, 0), radius: 0.5, material: lambert { color: "
+                        "gray(0.8) } }",
              .finish = finish},
     .infinite = true,
     .prepare = prepare,

@@ -221,9 +221,17 @@ const LightClass photometric_light_light = {
                  "tints: the candelas are the file's.",
              .formula = "E = I(vertical, horizontal) f(r) cos θ, I bilinear between the file's "
                         "angles and 0 outside them",
-             .example =
-                 "photometric_light { file: \"downlight.ies\", position: (0, 2.6, 0), color: "
-                 "blackbody(3000K) }",
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "plane { material: lambert { color: gray(0.6) } }\n"
+                        "plane { point: (0, 0, -1), normal: (0, 0, 1), material: lambert { color: "
+                        "gray(0.6) } }\n"
+                        "for (i in 0..2) {\n"
+                        "  photometric_light {\n"
+                        "    file: \"slides/photometric/\" + [\"narrow\", \"downlight\", "
+                        "\"batwing\"][i] + \".ies\"\n"
+                        "    position: (1.1 * (i - 1), 1.35, -0.8), scale: 0.5\n"
+                        "  }\n"
+                        "}",
              .finish = finish},
     .prepare = prepare,
     .sample = sample,

@@ -114,15 +114,23 @@ static bool sample(const World *world, const Light *light, Vec3 reference, doubl
 }
 
 const LightClass point_light_light = {
-    .node = {.name = "point_light",
-             .category = CATEGORY_LIGHT,
-             .params = PARAMS,
-             .param_count = sizeof PARAMS / sizeof *PARAMS,
-             .size = sizeof(PointLight),
-             .doc = "A point that emits the same in all directions.",
-             .formula = "E = I cos θ / r², I = Φ / 4π",
-             .example = "point_light { position: (2, 4, 2), power: 800lm }",
-             .finish = finish},
+    .node =
+        {.name = "point_light",
+         .category = CATEGORY_LIGHT,
+         .params = PARAMS,
+         .param_count = sizeof PARAMS / sizeof *PARAMS,
+         .size = sizeof(PointLight),
+         .doc = "A point that emits the same in all directions.",
+         .formula = "E = I cos θ / r², I = Φ / 4π",
+         .example =
+             "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+             "plane { material: lambert { color: gray(0.6) } }\n"
+             "plane { point: (0, 0, -1), normal: (0, 0, 1), material: lambert { color: gray(0.6) } "
+             "}\n"
+             "point_light { position: (-1, 1, 1), color: #ffb080, power: 50W }\n"
+             "point_light { position: (1, 1, 1), color: #80b0ff, power: 50W }\n"
+             "sphere { center: (0, 0.4, 0), radius: 0.4, material: lambert { color: #c0704a } }",
+         .finish = finish},
     .prepare = prepare,
     .sample = sample,
 };

@@ -74,18 +74,29 @@ static double reach(const void *params)
 }
 
 const FalloffClass smooth_cone_falloff = {
-    .node = {.name = "smooth_cone",
-             .category = CATEGORY_FALLOFF,
-             .params = PARAMS,
-             .param_count = sizeof PARAMS / sizeof *PARAMS,
-             .size = sizeof(SmoothCone),
-             .doc = "A beam that is full up to one angle from the axis and ends at another (the "
-                    "slides' spot light of two angles).",
-             .formula = "g(θ) = 1 for θ ≤ θ0; (1 - (θ - θ0)/(θ1 - θ0))² between; 0 for θ ≥ θ1; "
-                        "0 < θ0 = inner < θ1 = outer ≤ 90°",
-             .example = "spot_light {\n  position: (0, 3, 0), target: (0, 0, 0), power: 800lm\n  "
-                        "falloff: smooth_cone { inner: 20deg, outer: 30deg }\n}",
-             .finish = finish},
+    .node =
+        {.name = "smooth_cone",
+         .category = CATEGORY_FALLOFF,
+         .params = PARAMS,
+         .param_count = sizeof PARAMS / sizeof *PARAMS,
+         .size = sizeof(SmoothCone),
+         .doc = "A beam that is full up to one angle from the axis and ends at another (the "
+                "slides' spot light of two angles).",
+         .formula = "g(θ) = 1 for θ ≤ θ0; (1 - (θ - θ0)/(θ1 - θ0))² between; 0 for θ ≥ θ1; "
+                    "0 < θ0 = inner < θ1 = outer ≤ 90°",
+         .example =
+             "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+             "environment_light { radiance: 0.03 }\n"
+             "plane { material: lambert { color: gray(0.6) } }\n"
+             "plane { point: (0, 0, -1), normal: (0, 0, 1), material: lambert { color: gray(0.6) } "
+             "}\n"
+             "for (i in 0..2) {\n"
+             "  spot_light {\n"
+             "    position: (1.1 * (i - 1), 1.5, -0.4), direction: (0, -1, -0.4), intensity: 4\n"
+             "    falloff: smooth_cone { inner: [1deg, 15deg, 24deg][i], outer: 25deg }\n"
+             "  }\n"
+             "}",
+         .finish = finish},
     .factor = factor,
     .integral = integral,
     .reach = reach,

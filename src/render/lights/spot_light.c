@@ -141,8 +141,22 @@ const LightClass spot_light_light = {
              .size = sizeof(SpotLight),
              .doc = "A point that emits a beam about an axis (the slides' spot light).",
              .formula = "E = I g(θ) f(r) cos θi, θ from the axis to the lit point; I = Φ / ∫ g dω",
-             .example = "spot_light {\n  position: (0, 3, 0), target: (0.5, 0, 0), power: 800lm\n  "
-                        "falloff: smooth_cone { inner: 15deg, outer: 20deg }\n}",
+             .example =
+                 "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                 "environment_light { radiance: 0.03 }\n"
+                 "plane { material: lambert { color: gray(0.6) } }\n"
+                 "plane { point: (0, 0, -1), normal: (0, 0, 1), material: lambert { color: "
+                 "gray(0.6) } }\n"
+                 "for (i in 0..2) {\n"
+                 "  let x = 1.1 * (i - 1)\n"
+                 "  spot_light {\n"
+                 "    position: (x, 1.7, 1), target: (x, 0.3, -0.6), intensity: 12\n"
+                 "    falloff: [\n"
+                 "      cosine_lobe { exponent: 10 }, smooth_cone { inner: 10deg, outer: 30deg },\n"
+                 "      smooth_cone { inner: 20deg, outer: 20.1deg }\n"
+                 "    ][i]\n"
+                 "  }\n"
+                 "}",
              .finish = finish},
     .prepare = prepare,
     .sample = sample,

@@ -94,24 +94,37 @@ static bool finish(NodeFinish *finish)
 }
 
 const MaterialClass bump_map_material = {
-    .node = {.name = "bump_map",
-             .category = CATEGORY_MATERIAL,
-             .params = PARAMS,
-             .param_count = sizeof PARAMS / sizeof *PARAMS,
-             .size = sizeof(BumpMap),
-             .doc =
-                 "Makes a surface look as if it had the heights of a texture; its outline stays. "
-                 "Slopes are taken over 1/1024 of the texture coordinates. Light never leaks "
-                 "through from behind the surface.",
-             .formula =
-                 "n' ∝ n + (dh/du n × dp/dv + dh/dv dp/du × n)/|dp/du × dp/dv|, h = strength "
-                 "map   (Blinn 1978)",
-             .example = "let dented = bump_map {\n"
-                        "  base: ggx { f0: gray(0.9), alpha: 0.15 }\n"
-                        "  map: image { file: \"dents.png\", encoding: \"linear\" }\n"
-                        "  strength: 2mm\n"
-                        "}",
-             .finish = finish},
+    .node =
+        {.name = "bump_map",
+         .category = CATEGORY_MATERIAL,
+         .params = PARAMS,
+         .param_count = sizeof PARAMS / sizeof *PARAMS,
+         .size = sizeof(BumpMap),
+         .doc = "Makes a surface look as if it had the heights of a texture; its outline stays. "
+                "Slopes are taken over 1/1024 of the texture coordinates. Light never leaks "
+                "through from behind the surface.",
+         .formula = "n' ∝ n + (dh/du n × dp/dv + dh/dv dp/du × n)/|dp/du × dp/dv|, h = strength "
+                    "map   (Blinn 1978)",
+         .example =
+             "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+             "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: (0, 0, 1.5) "
+             "}, radiance: 12 }\n"
+             "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], space: \"uv\" } "
+             "}\n"
+             "plane {\n"
+             "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), space: "
+             "\"world\", scale: 2 } }\n"
+             "}\n"
+             "for (i in 0..2) {\n"
+             "  sphere {\n"
+             "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+             "    material: bump_map {\n"
+             "      map: noise { scale: 12, octaves: 4 } * 0.05\n"
+             "      base: ggx { f0: rgb(0.9, 0.6, 0.4), alpha: 0.15 }, strength: [0, 0.5, 1][i]\n"
+             "    }\n"
+             "  }\n"
+             "}",
+         .finish = finish},
     BENT_FUNCTIONS,
     .caveat =
         "a bent normal shows and hides light that the surface doesn't: energy and reciprocity "

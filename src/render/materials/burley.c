@@ -84,8 +84,21 @@ const MaterialClass burley_material = {
                     "grazing angles it gives back more than it gets.",
              .formula = "f = color/π [1 + (f90 - 1)(1 - n·wi)^5] [1 + (f90 - 1)(1 - n·wo)^5],\n"
                         "f90 = 1/2 + 2 roughness (wi·h)²   (slides, equation 9; slide 69)",
-             .example =
-                 "sphere { material: burley { color: srgb(0.7, 0.35, 0.2), roughness: 1 } }"},
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane {\n"
+                        "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), "
+                        "space: \"world\", scale: 2 } }\n"
+                        "}\n"
+                        "for (i in 0..2) {\n"
+                        "  sphere {\n"
+                        "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+                        "    material: burley { color: #b0805a, roughness: [0, 0.5, 1][i] }\n"
+                        "  }\n"
+                        "}"},
     .lobes = lobes,
     .eval = eval,
     .sample = sample,

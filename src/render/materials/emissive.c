@@ -118,7 +118,16 @@ const MaterialClass emissive_material = {
              .doc = "Gives off light from its front side (the outside of closed shapes). Any shape "
                     "of this material is a light that is sampled, also inside instances.",
              .formula = "L = radiance, for directions on the front side",
-             .example = "sphere { radius: 0.1, material: emissive { radiance: 2000nit } }",
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "environment_light { radiance: 0.02 }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "for (i in 0..2) {\n"
+                        "  sphere {\n"
+                        "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.3\n"
+                        "    material: emissive { radiance: [rgb(4, 0.6, 0.3), rgb(2, 1.6, 1), "
+                        "rgb(0.4, 0.9, 4)][i] }\n"
+                        "  }\n"
+                        "}",
              .finish = finish},
     .lobes = lobes,
     .eval = eval,

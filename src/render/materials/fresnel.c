@@ -148,8 +148,23 @@ const MaterialClass fresnel_material = {
              "alpha: f = |wi·h||wo·h| (1 - F) G1(wi) G1(wo) D(h) no²/(|wi·n||wo·n| (ni wi·h + no "
              "wo·h)²)\n"
              "   (Walter et al. 2007, equation 21); overlapping bodies: Schmidt and Budge 2002",
-         .example = "sphere {\n"
-                    "  material: fresnel { ior: 1.52, absorption: rgb(4, 1, 3) }\n"
+         .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                    "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: (0, 0, "
+                    "1.5) }, radiance: 12 }\n"
+                    "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], space: "
+                    "\"uv\" } }\n"
+                    "plane {\n"
+                    "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), space: "
+                    "\"world\", scale: 2 } }\n"
+                    "}\n"
+                    "for (i in 0..2) {\n"
+                    "  sphere {\n"
+                    "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+                    "    material: [\n"
+                    "      fresnel { ior: 1.5 }, fresnel { ior: 1.5, alpha: 0.15 },\n"
+                    "      fresnel { ior: 1.5, absorption: rgb(4, 0.7, 1.5) }\n"
+                    "    ][i]\n"
+                    "  }\n"
                     "}"},
     .lobes = lobes,
     .eval = eval,

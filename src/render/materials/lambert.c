@@ -67,7 +67,21 @@ const MaterialClass lambert_material = {
              .doc = "A perfectly matt surface, the same from both sides: it looks equally bright "
                     "from everywhere.",
              .formula = "f = color / π   (Lambert's law; slides, equation 8)",
-             .example = "sphere { material: lambert { color: #c0392b } }"},
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane {\n"
+                        "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), "
+                        "space: \"world\", scale: 2 } }\n"
+                        "}\n"
+                        "for (i in 0..2) {\n"
+                        "  sphere {\n"
+                        "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+                        "    material: lambert { color: [#c0392b, #d9a441, #2f6f9f][i] }\n"
+                        "  }\n"
+                        "}"},
     .lobes = lobes,
     .eval = eval,
     .sample = sample,

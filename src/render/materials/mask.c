@@ -131,11 +131,22 @@ const MaterialClass mask_material = {
              .doc = "Cuts holes into a surface: leaves, fences, lace. Light passes the holes "
                     "straight on, shadows show them, and passing one doesn't count as a bounce.",
              .formula = "f = opacity f_base + (1 - opacity) δ(wi + wo)",
-             .example = "rectangle {\n"
-                        "  corner: (0, 0, 0), u: (1, 0, 0), v: (0, 1, 0)\n"
-                        "  material: mask {\n"
-                        "    opacity: checker { a: gray(1), b: gray(0), scale: 8 }\n"
-                        "    base: lambert { color: #27ae60 }\n"
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane {\n"
+                        "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), "
+                        "space: \"world\", scale: 2 } }\n"
+                        "}\n"
+                        "for (i in 0..2) {\n"
+                        "  sphere {\n"
+                        "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+                        "    material: mask {\n"
+                        "      opacity: checker { a: gray(1), b: gray(0), scale: [4, 8, 16][i] }\n"
+                        "      base: lambert { color: #c07030 }\n"
+                        "    }\n"
                         "  }\n"
                         "}"},
     .lobes = lobes,

@@ -106,7 +106,25 @@ const MaterialClass mirror_material = {
                     "black, since it reflects no light of its own making.",
              .formula = "L(wr) = color L(wi), wi = 2 (wr·n) n - wr   (slides, section 3.1);\n"
                         "a metal: color = F(eta, k, n·wr), exact and unpolarised",
-             .example = "sphere { material: mirror { color: gray(0.95) } }",
+             .example =
+                 "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                 "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: (0, 0, "
+                 "1.5) }, radiance: 12 }\n"
+                 "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], space: "
+                 "\"uv\" } }\n"
+                 "plane {\n"
+                 "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), space: "
+                 "\"world\", scale: 2 } }\n"
+                 "}\n"
+                 "for (i in 0..2) {\n"
+                 "  sphere {\n"
+                 "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+                 "    material: [\n"
+                 "      mirror {}, mirror { color: #e0b080 },\n"
+                 "      mirror { eta: rgb(0.2, 0.92, 1.1), k: rgb(3.91, 2.45, 2.14) } // copper\n"
+                 "    ][i]\n"
+                 "  }\n"
+                 "}",
              .finish = finish},
     .lobes = lobes,
     .eval = eval,

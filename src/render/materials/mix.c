@@ -160,11 +160,23 @@ const MaterialClass mix_material = {
                  "A weighted sum of two materials, of any kinds and nested as you like. A weight "
                  "of 0 is all a, 1 is all b; a texture may say how much where.",
              .formula = "f = (1 - weight) f_a + weight f_b   (slides, section 3.5)",
-             .example = "sphere {\n"
-                        "  material: mix {\n"
-                        "    a: ggx { ior: 1.5, alpha: 0.1 }\n"
-                        "    b: burley { color: #8e44ad }\n"
-                        "    weight: 0.9\n"
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane {\n"
+                        "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), "
+                        "space: \"world\", scale: 2 } }\n"
+                        "}\n"
+                        "for (i in 0..2) {\n"
+                        "  sphere {\n"
+                        "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+                        "    material: mix {\n"
+                        "      a: lambert { color: #7f2018 }\n"
+                        "      b: ggx { f0: gray(0.9), alpha: 0.1 }\n"
+                        "      weight: [0.1, 0.5, 0.9][i]\n"
+                        "    }\n"
                         "  }\n"
                         "}"},
     .lobes = lobes,

@@ -89,9 +89,24 @@ const MaterialClass normal_map_material = {
                  "leaks through from behind the surface; a normal that turns away from the "
                  "viewer is bent back.",
              .formula = "n ∝ strength (2 r - 1) s + strength (2 g - 1) t + (2 b - 1) n",
-             .example = "let bricks = normal_map {\n"
-                        "  base: lambert { color: #a0522d }\n"
-                        "  map: image { file: \"bricks_normal.png\", encoding: \"linear\" }\n"
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane {\n"
+                        "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), "
+                        "space: \"world\", scale: 2 } }\n"
+                        "}\n"
+                        "for (i in 0..2) {\n"
+                        "  sphere {\n"
+                        "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+                        "    material: normal_map {\n"
+                        "      map: image { file: \"textures/studs.png\", encoding: \"linear\", "
+                        "scale: (8, 4) }\n"
+                        "      base: lambert { color: #b06040 }, strength: [0, 0.5, 1][i]\n"
+                        "    }\n"
+                        "  }\n"
                         "}",
              .finish = finish},
     BENT_FUNCTIONS,

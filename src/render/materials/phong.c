@@ -58,9 +58,20 @@ const MaterialClass phong_material = {
                  "local: ambient color + diffuse color max(0, n·l) + specular specular_color d "
                  "max(0, r·v)^e,\n"
                  "d = 1 where n·l > 0, else 0   (slides, equations 4 to 6; slide 40)",
-             .example = "sphere {\n"
-                        "  material: phong {\n"
-                        "    color: #c0392b, diffuse: 0.7, specular: 0.3, shininess: 40\n"
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane {\n"
+                        "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), "
+                        "space: \"world\", scale: 2 } }\n"
+                        "}\n"
+                        "for (i in 0..2) {\n"
+                        "  sphere {\n"
+                        "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+                        "    material: phong { color: #a03020, diffuse: 0.7, specular: 0.3, "
+                        "shininess: [8, 40, 400][i] }\n"
                         "  }\n"
                         "}",
              .finish = phong_finish},

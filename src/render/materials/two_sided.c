@@ -120,11 +120,20 @@ const MaterialClass two_sided_material = {
                  "a sheet. An `emissive` on the back shines backwards. Glass can't be a side: it "
                  "belongs to both.",
              .formula = "f = f_front where the viewer is in front, else f_back",
-             .example = "disc {\n"
-                        "  material: two_sided {\n"
-                        "    front: lambert { color: #c0392b }, back: lambert { color: #2980b9 }\n"
-                        "  }\n"
-                        "}",
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "let paper = two_sided { front: lambert { color: #d8d0c0 }, back: lambert "
+                        "{ color: #b03a2a } }\n"
+                        "cylinder { from: (-0.6, 0, 0), to: (-0.6, 0.8, 0), radius: 0.45, caps: "
+                        "false, material: paper }\n"
+                        "disc { center: (0.7, 0.5, 0), normal: (-0.3, 0.2, 1), radius: 0.45, "
+                        "material: paper }\n"
+                        "disc { center: (0.7, 0.4, 0.8), normal: (0.3, -0.8, -1), radius: 0.3, "
+                        "material: paper }",
              .finish = finish},
     .lobes = lobes,
     .eval = eval,

@@ -230,7 +230,18 @@ const ShapeClass box_shape = {
                     "Each face has its own uv from 0 to 1, upright on the sides.",
              .formula =
                  "min <= p <= max, by the slab method in double precision (Kay, Kajiya 1986)",
-             .example = "box { center: (0, 0.5, 0), size: (1, 1, 2), transform: rotate_y(30deg) }",
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "let clay = lambert { color: #c0704a }\n"
+                        "box { center: (-0.6, 0.4, 0), size: (0.8, 0.8, 0.8), material: clay }\n"
+                        "box {\n"
+                        "  min: (-0.5, 0, -0.2), max: (0.5, 0.3, 0.2), material: clay\n"
+                        "  transform: [rotate_y(30deg), translate(0.6, 0, 0.2)]\n"
+                        "}",
              .finish = box_finish,
              .bounds = box_bounds},
     .holding = HOLD_USER,

@@ -127,7 +127,25 @@ const ShapeClass cone_shape = {
                     "axis and v along it.",
              .formula = "|p - axis| = radius_from + (radius_to - radius_from) z / height, a "
                         "quadratic in double precision",
-             .example = "cone { from: (0, 0, 0), to: (0, 1, 0), radius_from: 0.5, radius_to: 0.1 }",
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "let clay = lambert { color: #c0704a }\n"
+                        "cone { from: (-0.8, 0, 0), to: (-0.8, 1, 0), radius_from: 0.4, radius_to: "
+                        "0, material: clay }\n"
+                        "cone { from: (0.1, 0, 0), to: (0.1, 0.6, 0), radius_from: 0.4, radius_to: "
+                        "0.2, material: clay }\n"
+                        "cone {\n"
+                        "  from: (0.9, 0, 0)\n"
+                        "  to: (0.9, 0.5, 0)\n"
+                        "  radius_from: 0.2\n"
+                        "  radius_to: 0.35\n"
+                        "  caps: false\n"
+                        "  material: clay\n"
+                        "}",
              .finish = cone_finish,
              .bounds = cone_bounds},
     .holding = HOLD_USER,

@@ -118,7 +118,19 @@ const ShapeClass cylinder_shape = {
                 "along it.",
          .formula =
              "|p - axis| = radius, a quadratic in double precision with roots that don't cancel",
-         .example = "cylinder { from: (0, 0, 0), to: (0, 2, 0), radius: 0.25 }",
+         .example =
+             "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+             "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: (0, 0, 1.5) "
+             "}, radiance: 12 }\n"
+             "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], space: \"uv\" } "
+             "}\n"
+             "plane { material: lambert { color: gray(0.5) } }\n"
+             "let clay = lambert { color: #c0704a }\n"
+             "cylinder { from: (-0.8, 0, 0), to: (-0.8, 0.9, 0), radius: 0.3, material: clay }\n"
+             "cylinder { from: (-0.2, 0.25, 0.3), to: (0.9, 0.25, -0.2), radius: 0.25, material: "
+             "clay }\n"
+             "cylinder { from: (0.6, 0, -0.9), to: (0.6, 1.1, -0.9), radius: 0.3, caps: false, "
+             "material: clay }",
          .finish = cylinder_finish,
          .bounds = cylinder_bounds},
     .holding = HOLD_USER,

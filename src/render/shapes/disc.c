@@ -129,17 +129,33 @@ static void disc_sample_area(const Scene *scene, const void *params, const Affin
 }
 
 const ShapeClass disc_shape = {
-    .node = {.name = "disc",
-             .category = CATEGORY_SHAPE,
-             .params = disc_params,
-             .param_count = sizeof disc_params / sizeof *disc_params,
-             .size = sizeof(Disc),
-             .doc = "A flat disc, or a ring. u runs around the middle, v from the rim inwards, so "
-                    "that the tangent of a brushed disc follows its circles.",
-             .formula = "(p - center) . normal = 0, inner_radius <= |p - center| <= radius",
-             .example = "disc { center: (0, 2, 0), normal: (0, -1, 0), radius: 0.5 }",
-             .finish = disc_finish,
-             .bounds = disc_bounds},
+    .node =
+        {.name = "disc",
+         .category = CATEGORY_SHAPE,
+         .params = disc_params,
+         .param_count = sizeof disc_params / sizeof *disc_params,
+         .size = sizeof(Disc),
+         .doc = "A flat disc, or a ring. u runs around the middle, v from the rim inwards, so "
+                "that the tangent of a brushed disc follows its circles.",
+         .formula = "(p - center) . normal = 0, inner_radius <= |p - center| <= radius",
+         .example =
+             "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+             "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: (0, 0, 1.5) "
+             "}, radiance: 12 }\n"
+             "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], space: \"uv\" } "
+             "}\n"
+             "plane { material: lambert { color: gray(0.5) } }\n"
+             "let clay = lambert { color: #c0704a }\n"
+             "disc { center: (-0.7, 0.5, 0), normal: (0.3, 0.2, 1), radius: 0.5, material: clay }\n"
+             "disc {\n"
+             "  center: (0.6, 0.55, 0)\n"
+             "  normal: (-0.4, 0.3, 1)\n"
+             "  radius: 0.55\n"
+             "  inner_radius: 0.3\n"
+             "  material: clay\n"
+             "}",
+         .finish = disc_finish,
+         .bounds = disc_bounds},
     .holding = HOLD_USER,
     .flat = true,
     .closed = shape_is_open,

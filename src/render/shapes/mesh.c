@@ -281,9 +281,22 @@ const ShapeClass mesh_shape = {
                  "of glass.",
              .formula = "Hits are found in single precision by Embree, without gaps between "
                         "neighbouring triangles, and then computed in double precision.",
-             .example =
-                 "mesh {\n  vertices: [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]\n  faces: "
-                 "[[0, 1, 2, 3]]\n}",
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "let n = 24\n"
+                        "fn face(k) = [k, k + 1, k + n + 2, k + n + 1]\n"
+                        "fn height(i, j) = 0.25 + 0.2 * noise((i / 5, j / 5)) + 0.25 * cos(i / 4) "
+                        "* cos(j / 4)\n"
+                        "mesh {\n"
+                        "  vertices: [for (i in 0..n) for (j in 0..n) (0.1 * i - 1.2, height(i, "
+                        "j), 0.1 * j - 1.2)]\n"
+                        "  faces: [for (i in 0..<n) for (j in 0..<n) face(i * (n + 1) + j)]\n"
+                        "  material: lambert { color: #7f9f5f }\n"
+                        "}",
              .finish = mesh_finish,
              .bounds = mesh_bounds,
              .mesh = mesh_number},

@@ -68,7 +68,15 @@ const ShapeClass plane_shape = {
              .doc = "An infinite plane. Its uv are metres from `point`; on a floor u runs along +x "
                     "and v along -z. It can't be a light, since its area has no end.",
              .formula = "(p - point) . normal = 0",
-             .example = "plane { point: (0, -1, 0), material: lambert { color: gray(0.5) } }",
+             .example =
+                 "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                 "directional_light { direction: (-1, -1, -1), irradiance: 3 }\n"
+                 "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], space: "
+                 "\"uv\" } }\n"
+                 "plane { material: lambert { color: checker { space: \"world\", scale: 2 } } }\n"
+                 "plane { point: (0, 0, -3), normal: (0, 0, 1), material: lambert { color: #b0603c "
+                 "} }\n"
+                 "sphere { center: (0, 0.5, 0), radius: 0.5 }",
              .bounds = plane_bounds},
     .holding = HOLD_UNBOUNDED,
     .closed = shape_is_open,

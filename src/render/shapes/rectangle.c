@@ -276,7 +276,17 @@ const ShapeClass rectangle_shape = {
              .formula = "p = corner + s u + t v, 0 <= s, t <= 1. As a light it is sampled by solid "
                         "angle (Ureña, Fajardo, King 2013) where its edges are perpendicular, else "
                         "by area.",
-             .example = "rectangle { corner: (-1, 0, 1), u: (2, 0, 0), v: (0, 0, -2) }",
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "let clay = lambert { color: #c0704a }\n"
+                        "rectangle { corner: (-1.2, 0, 0.2), u: (0.9, 0, -0.3), v: (0, 0.9, 0), "
+                        "material: clay }\n"
+                        "rectangle { corner: (0.1, 0.01, 0.5), u: (1, 0, 0), v: (0.3, 0.6, -0.8), "
+                        "material: clay }",
              .finish = rectangle_finish,
              .bounds = rectangle_bounds},
     .holding = HOLD_FLAT,

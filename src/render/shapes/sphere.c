@@ -220,8 +220,17 @@ const ShapeClass sphere_shape = {
              .formula = "|p - center| = radius, intersected in double precision (Haines et al. "
                         "2019, Ray Tracing Gems 7). As a light it is sampled by the cone under "
                         "which it is seen (Shirley, Wang, Zimmerman 1996).",
-             .example = "sphere { center: (0, 1, 0), radius: 0.5, material: lambert { color: "
-                        "#c0392b } }"},
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "let clay = lambert { color: #c0704a }\n"
+                        "sphere { center: (-0.6, 0.5, 0), radius: 0.5, material: clay }\n"
+                        "sphere { center: (0.4, 0.3, 0.4), radius: 0.3, material: clay }\n"
+                        "sphere { radius: 0.3, material: clay, transform: [scale(2, 1, 1), "
+                        "translate(0.8, 0.3, -0.6)] }"},
     .holding = HOLD_USER,
     .closed = shape_is_closed,
     .intersect = sphere_intersect,

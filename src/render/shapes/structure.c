@@ -16,8 +16,24 @@ const NodeType group_kind = {
     .doc = "Shapes, lights and other items under one transform. Its material is that of all shapes "
            "inside that have none. Bound to a name, it is a piece that `instance` can place many "
            "times.",
-    .example = "group {\n  transform: translate(0, 1, 0)\n  sphere {}\n  box { size: (3, 0.1, 3) "
-               "}\n}",
+    .example =
+        "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: (0, 0, 1.5) }, "
+        "radiance: 12 }\n"
+        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], space: \"uv\" } }\n"
+        "plane { material: lambert { color: gray(0.5) } }\n"
+        "let chair = group {\n"
+        "  material: lambert { color: #c0704a }\n"
+        "  box { min: (-0.25, 0.4, -0.25), max: (0.25, 0.45, 0.25) }\n"
+        "  box { min: (-0.25, 0.45, -0.25), max: (0.25, 1, -0.2) }\n"
+        "  for (x in [-0.22, 0.22]) {\n"
+        "    for (z in [-0.22, 0.22]) {\n"
+        "      cylinder { from: (x, 0, z), to: (x, 0.4, z), radius: 0.03 }\n"
+        "    }\n"
+        "  }\n"
+        "}\n"
+        "group { transform: [rotate_y(25deg), translate(-0.5, 0, 0)], chair }\n"
+        "group { transform: [rotate_y(-60deg), translate(0.6, 0, -0.2)], chair }",
 };
 
 typedef struct Instance {
@@ -43,7 +59,26 @@ const NodeType instance_kind = {
     .doc = "A shape or group placed once more. The geometry is shared: a million instances cost a "
            "million transforms. Its material is that of all shapes inside that have none.",
     .example =
-        "let tree = group { cylinder { from: (0, 0, 0), to: (0, 1, 0), radius: 0.1 } sphere { "
-        "center: (0, 1.5, 0), radius: 0.7 } }\n"
-        "for (i in 0..<10) { instance { of: tree, transform: translate(2 * i, 0, 0) } }",
+        "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: (0, 0, 1.5) }, "
+        "radiance: 12 }\n"
+        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], space: \"uv\" } }\n"
+        "plane { material: lambert { color: gray(0.5) } }\n"
+        "let tree = group {\n"
+        "  cylinder { from: (0, 0, 0), to: (0, 0.3, 0), radius: 0.04, material: lambert { color: "
+        "#6b4a2b } }\n"
+        "  for (i in 0..2) {\n"
+        "    cone {\n"
+        "      from: (0, 0.2 + 0.2 * i, 0)\n"
+        "      to: (0, 0.6 + 0.2 * i, 0)\n"
+        "      radius_from: 0.25 - 0.06 * i\n"
+        "      radius_to: 0\n"
+        "      material: lambert { color: #3f6f3f }\n"
+        "    }\n"
+        "  }\n"
+        "}\n"
+        "for (i in 0..<40) {\n"
+        "  let x = 3 * random(i, 1) - 1.5, let z = 3 - 6 * random(i, 2) - 2\n"
+        "  instance { of: tree, transform: [scale(0.6 + 0.5 * random(i)), translate(x, 0, z)] }\n"
+        "}",
 };

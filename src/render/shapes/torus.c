@@ -383,7 +383,22 @@ const ShapeClass torus_shape = {
                  "(sqrt(x² + y²) - major_radius)² + z² = minor_radius², z along the axis; the "
                  "quartic's roots are isolated by those of its derivatives (Yuksel 2022) and "
                  "refined in double precision.",
-             .example = "torus { center: (0, 0.2, 0), major_radius: 1, minor_radius: 0.2 }",
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "let clay = lambert { color: #c0704a }\n"
+                        "torus { center: (-0.4, 0.15, 0.2), major_radius: 0.5, minor_radius: 0.15, "
+                        "material: clay }\n"
+                        "torus {\n"
+                        "  center: (0.6, 0.5, 0)\n"
+                        "  axis: (-0.4, 0.2, 1)\n"
+                        "  major_radius: 0.4\n"
+                        "  minor_radius: 0.1\n"
+                        "  material: clay\n"
+                        "}",
              .finish = torus_finish,
              .bounds = torus_bounds},
     .holding = HOLD_USER,

@@ -201,7 +201,20 @@ const ShapeClass triangle_shape = {
                     "counter-clockwise. For more than a few, use a mesh.",
              .formula = "p = (1 - u - v) a + u b + v c. As a light it is sampled by solid angle "
                         "(Arvo 1995).",
-             .example = "triangle { a: (0, 0, 0), b: (1, 0, 0), c: (0, 1, 0) }",
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "let clay = lambert { color: #c0704a }\n"
+                        "for (i in 0..4) {\n"
+                        "  triangle {\n"
+                        "    a: (0.5 * i - 1.3, 0, 0.3), b: (0.5 * i - 0.8, 0, 0.1), c: (0.5 * i - "
+                        "1.1, 0.9 - 0.1 * i, -0.2)\n"
+                        "    material: clay\n"
+                        "  }\n"
+                        "}",
              .finish = triangle_finish,
              .bounds = triangle_bounds},
     .holding = HOLD_FLAT,

@@ -74,8 +74,21 @@ const TextureClass checker_texture = {
              .size = sizeof(Checker),
              .doc = "A checkerboard of two colors or textures.",
              .formula = "a where floor(scale u) + floor(scale v) is even, else b",
-             .example =
-                 "plane { material: lambert { color: checker { space: \"world\", scale: 2 } } }"},
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane { material: lambert { color: gray(0.5) } }\n"
+                        "for (i in 0..2) {\n"
+                        "  sphere {\n"
+                        "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+                        "    material: lambert {\n"
+                        "      color: checker { a: #e8e0d0, b: #803028, scale: [(8, 4), (16, 8), "
+                        "(6, 1)][i] }\n"
+                        "    }\n"
+                        "  }\n"
+                        "}"},
     .color = color,
     .mean = mean,
 };

@@ -86,9 +86,24 @@ const TextureClass image_texture = {
              .doc =
                  "A picture from a file. Its bottom left corner lies at (u, v) = (0, 0), its top "
                  "right corner at (1, 1). A file that several textures name is read once.",
-             .example =
-                 "plane { material: lambert { color: image { file: \"tiles.png\", scale: 2 } "
-                 "} }"},
+             .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                        "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: "
+                        "(0, 0, 1.5) }, radiance: 12 }\n"
+                        "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], "
+                        "space: \"uv\" } }\n"
+                        "plane {\n"
+                        "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), "
+                        "space: \"world\", scale: 2 } }\n"
+                        "}\n"
+                        "for (i in 0..2) {\n"
+                        "  sphere {\n"
+                        "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+                        "    material: lambert {\n"
+                        "      color: image { file: \"textures/tiles.png\", scale: [(1, 1), (4, "
+                        "2), (8, 4)][i] }\n"
+                        "    }\n"
+                        "  }\n"
+                        "}"},
     .prepare = prepare,
     .color = color,
     .mean = mean,

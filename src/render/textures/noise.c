@@ -112,7 +112,29 @@ const TextureClass noise_texture = {
          .formula =
              "a (1 - t) + b t;  smooth: t = (1 + Σ gain^i n(lacunarity^i scale p) / Σ gain^i)/2,\n"
              "turbulent: t = Σ gain^i |n(…)| / Σ gain^i;  n gradient noise (Perlin 2002)",
-         .example = "sphere { material: lambert { color: noise { scale: 4, octaves: 6 } } }"},
+         .example = "camera { position: (0, 1.2, 4), look_at: (0, 0.55, 0), fov: 30deg }\n"
+                    "area_light { shape: rectangle { corner: (-2, 3, 0), u: (1.5, 0, 0), v: (0, 0, "
+                    "1.5) }, radiance: 12 }\n"
+                    "environment_light { radiance: gradient { colors: [#50483f, #dce8ff], space: "
+                    "\"uv\" } }\n"
+                    "plane {\n"
+                    "  material: lambert { color: checker { a: gray(0.6), b: gray(0.35), space: "
+                    "\"world\", scale: 2 } }\n"
+                    "}\n"
+                    "for (i in 0..2) {\n"
+                    "  sphere {\n"
+                    "    center: (1.05 * (i - 1), 0.5, 0), radius: 0.5\n"
+                    "    material: lambert {\n"
+                    "      color: noise {\n"
+                    "        a: #5a4632\n"
+                    "        b: #f2e8d8\n"
+                    "        scale: 5\n"
+                    "        octaves: [1, 6, 6][i]\n"
+                    "        style: if (i == 2) \"turbulent\" else \"smooth\"\n"
+                    "      }\n"
+                    "    }\n"
+                    "  }\n"
+                    "}"},
     .color = color,
     .mean = mean,
 };

@@ -268,7 +268,8 @@ static Rgb hashed_radiance(const World *world, const Ray *ray, Sampler *sampler,
     const float v = sampler_1d(sampler);
     return rgb(v * exp2f((float)(key % 25) - 12), v, hash_to_float(key));
 }
-static const IntegratorClass hashed = {"hashed", "of the test", hashed_radiance, NULL};
+static const IntegratorClass hashed = {
+    .name = "hashed", .doc = "of the test", .radiance = hashed_radiance};
 
 typedef struct Fixture {
     Arena arena;

@@ -43,7 +43,8 @@ static Rgb hashed_radiance(const World *world, const Ray *ray, Sampler *sampler,
     const float v = sampler_1d(sampler);
     return rgb(v * exp2f((float)(key % 25) - 12), v, hash_to_float(key));
 }
-static const IntegratorClass hashed = {"hashed", "of the test", hashed_radiance, NULL};
+static const IntegratorClass hashed = {
+    .name = "hashed", .doc = "of the test", .radiance = hashed_radiance};
 
 static Rgb constant_radiance(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
                              IntegratorStats *stats)
@@ -51,7 +52,8 @@ static Rgb constant_radiance(const World *world, const Ray *ray, Sampler *sample
     (void)world, (void)ray, (void)sampler, (void)aov, (void)stats;
     return rgb(0.25f, 1, 3.7f);
 }
-static const IntegratorClass constant = {"constant", "of the test", constant_radiance, NULL};
+static const IntegratorClass constant = {
+    .name = "constant", .doc = "of the test", .radiance = constant_radiance};
 
 // Every fourth sample or so is bad.
 static Rgb bad_radiance(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
@@ -64,7 +66,7 @@ static Rgb bad_radiance(const World *world, const Ray *ray, Sampler *sampler, Ao
            : pick == 2 ? rgb(1, 1, -1)
                        : rgb(1, 1, 1);
 }
-static const IntegratorClass bad = {"bad", "of the test", bad_radiance, NULL};
+static const IntegratorClass bad = {.name = "bad", .doc = "of the test", .radiance = bad_radiance};
 
 // --- A scene with a camera and settings ----------------------------------------------------------
 
@@ -203,7 +205,8 @@ static Rgb stopping_radiance(const World *world, const Ray *ray, Sampler *sample
     }
     return hashed_radiance(world, ray, sampler, aov, stats);
 }
-static const IntegratorClass stopping = {"stopping", "of the test", stopping_radiance, NULL};
+static const IntegratorClass stopping = {
+    .name = "stopping", .doc = "of the test", .radiance = stopping_radiance};
 
 static void stopped_runs_go_on_to_the_same_bytes(void **state)
 {

@@ -154,6 +154,7 @@ static void a_chapter_as_markdown(void **state)
            "| `shape` | \"round\", \"square\" |  | `\"round\"` | Of the spot. |\n"
            "| `falloff` | falloff |  |  | From the axis. |\n"
            "\n```text\nI = P / 4 pi\n```\n"
+           "\n![lamp](kinds/lamp.png)\n"
            "\n```scn\nlamp {\n  power: 60W\n}\n```\n");
     out = open_memstream(&text, &size);
     manual_write_category(&schema, CATEGORY_LIGHT, out, MANUAL_TEXT);
