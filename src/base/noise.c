@@ -4,11 +4,6 @@
 
 #include <stdint.h>
 
-static uint64_t corner_hash(int64_t x, int64_t y, int64_t z)
-{
-    return hash_u64(hash_u64(hash_u64((uint64_t)x) ^ (uint64_t)y) ^ (uint64_t)z);
-}
-
 static double gradient(uint64_t hash, Vec3 d)
 {
     unsigned h = hash & 15;
@@ -27,20 +22,35 @@ static double between(double t, double a, double b)
     return a + t * (b - a);
 }
 
-// The whole part, kept where it fits 64 bits; beyond 2^53 every double is whole, and the noise 0.
-static int64_t whole(double x)
+// The whole part, and what is left in [0, 1). Beyond 2^53 every double is whole, and the noise 0.
+static int64_t split(double x, double *rest)
 {
-    return fabs(x) < 0x1p62 ? (int64_t)floor(x) : 0;
+    if (!(fabs(x) < 0x1p62)) {
+        *rest = 0;
+        return 0;
+    }
+    const int64_t towards_zero = (int64_t)x;
+    const int64_t whole = towards_zero - ((double)towards_zero > x);
+    *rest = x - (double)whole;
+    return whole;
 }
 
 double noise3(Vec3 p)
 {
-    int64_t x = whole(p.x), y = whole(p.y), z = whole(p.z);
-    Vec3 f = vec3(p.x - floor(p.x), p.y - floor(p.y), p.z - floor(p.z));
+    Vec3 f;
+    const int64_t x = split(p.x, &f.x), y = split(p.y, &f.y), z = split(p.z, &f.z);
+    // The hash of a corner is that of its coordinates in turn, so corners share what they begin
+    // with.
     double corners[8];
-    for (int i = 0; i < 8; ++i) {
-        int a = i & 1, b = i >> 1 & 1, c = i >> 2;
-        corners[i] = gradient(corner_hash(x + a, y + b, z + c), sub(f, vec3(a, b, c)));
+    for (int a = 0; a < 2; ++a) {
+        const uint64_t hash_x = hash_u64((uint64_t)(x + a));
+        for (int b = 0; b < 2; ++b) {
+            const uint64_t hash_xy = hash_u64(hash_x ^ (uint64_t)(y + b));
+            for (int c = 0; c < 2; ++c) {
+                const uint64_t hash = hash_u64(hash_xy ^ (uint64_t)(z + c));
+                corners[a + 2 * b + 4 * c] = gradient(hash, sub(f, vec3(a, b, c)));
+            }
+        }
     }
     double u = fade(f.x), v = fade(f.y), w = fade(f.z);
     return between(
