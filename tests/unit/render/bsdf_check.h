@@ -5,6 +5,7 @@
 
 #include "../test_support.h"
 #include "base/hash.h"
+#include "base/statistics.h"
 #include "render/render.h"
 #include "render/world.h"
 #include "scene/scene.h"
@@ -250,35 +251,6 @@ static inline bool near_relative(double a, double b, double tolerance)
         }                                                                                          \
     } while (0)
 
-// The regularised upper incomplete gamma function Q(a, x): the chance that a chi-squared variable
-// of 2a degrees of freedom exceeds 2x (Numerical Recipes, 6.2).
-static inline double gamma_q(double a, double x)
-{
-    if (x <= 0) {
-        return 1;
-    }
-    double scale_factor = exp(-x + a * log(x) - lgamma(a));
-    if (x < a + 1) {
-        double term = 1 / a, sum = term;
-        for (double n = a + 1; term > sum * 1e-15; ++n) {
-            sum += term *= x / n;
-        }
-        return 1 - sum * scale_factor;
-    }
-    double b = x + 1 - a, c = 1e300, d = 1 / b, h = d;
-    for (int i = 1; i < 100000; ++i) {
-        double an = -i * (i - a);
-        b += 2;
-        d = 1 / (an * d + b);
-        c = b + an / c;
-        h *= d * c;
-        if (fabs(d * c - 1) < 1e-15) {
-            break;
-        }
-    }
-    return scale_factor * h;
-}
-
 // A function of the direction.
 typedef double (*Spherical)(const void *context, Vec3 w);
 
@@ -324,8 +296,7 @@ static inline double integrate_box(Spherical f, const void *context, double z0, 
                            gauss_box(f, context, z0, z1, p0, p1));
 }
 
-// --- Chi-squared: does sample follow pdf?
-// ---------------------------------------------------------
+// --- Chi-squared: does sample follow pdf? --------------------------------------------------------
 
 enum { CHI2_Z = 80, CHI2_PHI = 160, CHI2_CELLS = CHI2_Z * CHI2_PHI };
 
@@ -437,8 +408,7 @@ static inline void check_chi2(Bench *bench, const char *what, uint32_t material,
     }
 }
 
-// --- Other properties
-// -----------------------------------------------------------------------------
+// --- Other properties ----------------------------------------------------------------------------
 
 // The weight and pdf of samples are those of eval; values are finite and not negative.
 static inline void check_weights(Bench *bench, const char *what, uint32_t material, int samples)

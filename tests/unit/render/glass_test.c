@@ -178,7 +178,7 @@ static void rough_is_consistent(void **state)
         check_chi2(&bench, ROUGH[i].name, glass, 1000000, false, family);
         check_chi2(&bench, ROUGH[i].name, glass, 200000, true, family);
         check_weights(&bench, ROUGH[i].name, glass, 200000);
-        check_reciprocity(&bench, ROUGH[i].name, glass, 400000, ROUGH[i].front, ROUGH[i].back);
+        check_reciprocity(&bench, ROUGH[i].name, glass, 1000000, ROUGH[i].front, ROUGH[i].back);
         check_energy(&bench, ROUGH[i].name, glass, 0.3, 4000);
     }
     uint32_t clear = bench_material(&bench, "fresnel", "ior=1.5");

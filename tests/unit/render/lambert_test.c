@@ -1,54 +1,31 @@
-#include "../test_support.h"
+#include "bsdf_check.h"
 
-#include "../../render/bsdf_check.h"
-#include "../../render/scene_maker.h"
-
-static const double ANGLES[] = {0, 20, 45, 70, 85, 110, 180};
-
-static Vec3 viewer(size_t i)
-{
-    double a = ANGLES[i] * PI / 180;
-    return vec3(sin(a) * cos(0.7), sin(a) * sin(0.7), cos(a));
-}
-
-typedef struct Lab {
-    SceneMaker maker;
-    World *world;
-    uint32_t lambert, black, emissive, over_lambert;
-} Lab;
+static Bench bench;
+static uint32_t lambert, black, emissive, over_lambert;
 
 static int set_up(void **state)
 {
-    Lab *lab = calloc(1, sizeof *lab);
-    maker_init(&lab->maker);
-    lab->lambert = PUT(&lab->maker, "lambert", {"color", {0.6}});
-    lab->black = PUT(&lab->maker, "lambert", {"color", {1e-30}});
-    lab->emissive = PUT(&lab->maker, "emissive", {"radiance", {3}});
-    lab->over_lambert =
-        PUT(&lab->maker, "emissive", {"radiance", {1, 2, 3}}, {"base", {lab->lambert}});
-    lab->world = world_build(&lab->maker.scene, 1, &lab->maker.sink);
-    *state = lab;
-    return lab->world ? 0 : -1;
+    (void)state;
+    bench_init(&bench);
+    lambert = bench_material(&bench, "lambert", "color=0.6");
+    black = bench_material(&bench, "lambert", "color=1e-30");
+    emissive = bench_material(&bench, "emissive", "radiance=3");
+    over_lambert = bench_material(&bench, "emissive", "radiance=rgb(1,2,3) base=#0");
+    return 0;
 }
 
 static int tear_down(void **state)
 {
-    Lab *lab = *state;
-    world_free(lab->world);
-    maker_free(&lab->maker);
-    free(lab);
+    (void)state;
+    bench_free(&bench);
     return 0;
 }
 
 static void samples_follow_the_pdf(void **state)
 {
-    Lab *lab = *state;
-    double level = sidak(0.01, TEST_COUNT(ANGLES));
-    for (size_t i = 0; i < TEST_COUNT(ANGLES); ++i) {
-        double p = bsdf_chi_squared(lab->world, lab->lambert, viewer(i), 1000000, 4, 100 + i);
-        print_message("lambert at %g degrees: p = %.3g (fails below %.3g)\n", ANGLES[i], p, level);
-        assert_true(p > level);
-    }
+    (void)state;
+    check_chi2(&bench, "lambert", lambert, 1000000, false, 2);
+    check_chi2(&bench, "lambert", lambert, 1000000, true, 2);
 }
 
 // The test itself finds a pdf that is off: a view from the side with cells turned by one column.
@@ -57,100 +34,104 @@ static void chi_squared_finds_a_wrong_pdf(void **state)
     (void)state;
     enum { CELLS = 100 };
     double observed[CELLS], expected[CELLS];
-    TestRandom random = {5};
+    Random random = {5};
     for (int i = 0; i < CELLS; ++i) {
         observed[i] = 0;
         expected[i] = 10000 * (1 + 0.02 * sin(i));
     }
     for (int i = 0; i < 10000 * CELLS; ++i) {
-        observed[(int)(test_random(&random) * CELLS)] += 1;
+        observed[(int)(random_next(&random) * CELLS)] += 1;
     }
     assert_true(chi_squared_test(observed, expected, CELLS) < 1e-6);
 }
 
+static const double ANGLES[] = {0, 20, 45, 70, 85, 110, 180};
+
 static void eval_is_the_formula(void **state)
 {
-    Lab *lab = *state;
-    FlatPoint flat;
-    flat_point(lab->world, lab->lambert, viewer(2), &flat);
-    for (double z = -0.95; z < 1; z += 0.1) {
-        BsdfEval e = material_eval(&flat.point, lab->lambert, spherical(z, 2));
-        double expected = z > 0 ? 0.6 * z / PI : 0;
-        assert_true(NEAR(e.value.r, expected, 1e-7));
-        assert_true(NEAR(e.pdf, z > 0 ? z / PI : 0, 1e-7));
+    (void)state;
+    ShadingPoint point = bench_point(&bench, direction(45, 40));
+    for (double theta = 3; theta < 180; theta += 6) {
+        Vec3 wi = direction(theta, 115);
+        BsdfEval e = material_eval(&point, lambert, wi);
+        assert_near((double)e.value.r, wi.z > 0 ? 0.6 * wi.z / PI : 0, 1e-7);
+        assert_near((double)e.pdf, wi.z > 0 ? wi.z / PI : 0, 1e-7);
     }
 }
 
 static void sample_agrees_with_eval(void **state)
 {
-    Lab *lab = *state;
-    for (size_t i = 0; i < TEST_COUNT(ANGLES); ++i) {
-        assert_true(bsdf_sample_mismatch(lab->world, lab->lambert, viewer(i), 100000, i) < 1e-5);
-        assert_true(bsdf_sample_mismatch(lab->world, lab->over_lambert, viewer(i), 1000, i) < 1e-5);
-    }
-    assert_true(bsdf_asymmetry(lab->world, lab->lambert, 1000000, 3) < 1e-5);
+    (void)state;
+    check_weights(&bench, "lambert", lambert, 1000000);
+    check_weights(&bench, "emissive over lambert", over_lambert, 10000);
+    check_reciprocity(&bench, "lambert", lambert, 1000000, 1, 1);
 }
 
 static void albedo_is_the_color(void **state)
 {
-    Lab *lab = *state;
+    (void)state;
     for (size_t i = 0; i < TEST_COUNT(ANGLES); ++i) {
-        Running mean = bsdf_albedo(lab->world, lab->lambert, viewer(i), 1000, i);
-        assert_true(NEAR(mean.mean, 0.6, 1e-3));
-        FlatPoint flat;
-        flat_point(lab->world, lab->lambert, viewer(i), &flat);
-        assert_true(NEAR(material_albedo(&flat.point, lab->lambert).g, 0.6, 1e-7));
-        assert_true(NEAR(material_albedo(&flat.point, lab->black).g, 0, 1e-7));
-        assert_true(NEAR(material_albedo(&flat.point, NONE_ID).g, 0.5, 1e-7));
+        Vec3 wo = direction(ANGLES[i], 40);
+        assert_near((double)albedo_by_sampling(&bench, lambert, wo, 1000, NULL).g, 0.6, 1e-6);
+        ShadingPoint point = bench_point(&bench, wo);
+        assert_near((double)material_albedo(&point, lambert).g, 0.6, 1e-7);
+        assert_near((double)material_albedo(&point, black).g, 0, 1e-7);
     }
+}
+
+static void without_a_material_it_is_grey(void **state)
+{
+    (void)state;
+    World world = {.scene = &bench.scene};
+    assert_true(world_resolve_materials(&world));
+    ShadingPoint point = bench_point(&bench, direction(30, 0));
+    point.world = &world;
+    assert_near((double)material_albedo(&point, NONE_ID).g, 0.5, 1e-7);
+    arena_free(&world.arena);
 }
 
 static void emissive_emits_in_front(void **state)
 {
-    Lab *lab = *state;
+    (void)state;
     Surface front = {.front = true}, back = {.front = false};
-    assert_true(material_emitted(lab->world, lab->emissive, &front).r == 3);
-    assert_true(material_emitted(lab->world, lab->emissive, &back).r == 0);
-    assert_true(material_emitted(lab->world, lab->over_lambert, &front).b == 3);
-    assert_true(material_emitted(lab->world, lab->lambert, &front).r == 0);
-    FlatPoint flat;
+    const World *world = &bench.world;
+    assert_true(material_emitted(world, emissive, &front).r == 3);
+    assert_true(material_emitted(world, emissive, &back).r == 0);
+    assert_true(material_emitted(world, over_lambert, &front).b == 3);
+    assert_true(material_emitted(world, lambert, &front).r == 0);
     BsdfSample s;
-    flat_point(lab->world, lab->emissive, viewer(1), &flat);
-    assert_false(material_sample(&flat.point, lab->emissive, 0.5f, 0.5f, 0.5f, &s));
-    assert_true(material_eval(&flat.point, lab->emissive, vec3(0, 0, 1)).value.r == 0);
-    assert_int_equal(material_lobes(lab->world, lab->emissive), LOBE_EMIT);
-    assert_int_equal(material_lobes(lab->world, lab->over_lambert),
-                     LOBE_EMIT | LOBE_REFLECT | LOBE_SMOOTH);
+    ShadingPoint point = bench_point(&bench, direction(20, 40));
+    assert_false(material_sample(&point, emissive, 0.5f, 0.5f, 0.5f, &s));
+    assert_true(material_eval(&point, emissive, vec3(0, 0, 1)).value.r == 0);
+    assert_int_equal(material_lobes(world, emissive), LOBE_EMIT);
+    assert_int_equal(material_lobes(world, over_lambert), LOBE_EMIT | LOBE_REFLECT | LOBE_SMOOTH);
 }
 
 // Whatever the shading normal, light goes neither through the surface nor out of its back; and a
 // shading normal that the viewer can't see is bent.
 static void no_light_leaks(void **state)
 {
-    Lab *lab = *state;
-    TestRandom random = {9};
+    (void)state;
+    Random random = {9};
     for (int i = 0; i < 200000; ++i) {
-        Vec3 shading =
-            spherical((double)test_random(&random), 2 * PI * (double)test_random(&random));
-        Vec3 wo =
-            spherical(2 * (double)test_random(&random) - 1, 2 * PI * (double)test_random(&random));
+        Vec3 shading = random_direction(&random), wo = random_direction(&random);
+        shading.z = fabs(shading.z);
         Surface surface = {.geometric = {0, 0, 1},
                            .shading = shading,
                            .tangent = {1, 0, 0},
                            .instance = NONE_ID,
                            .front = wo.z > 0};
         ShadingPoint point;
-        shading_point(lab->world, &surface, neg(wo), &point);
-        assert_true(NEAR(length(point.frame.n), 1, 1e-9));
+        shading_point(&bench.world, &surface, neg(wo), &point);
+        assert_near(length(point.frame.n), 1, 1e-9);
         assert_true(point.wo.z * wo.z > 0);
         BsdfSample s;
-        if (material_sample(&point, lab->lambert, 0.5f, test_random(&random), test_random(&random),
-                            &s)) {
+        float u = random_next(&random), v = random_next(&random);
+        if (material_sample(&point, lambert, 0.5f, u, v, &s)) {
             assert_true(from_local(&point.frame, s.wi).z * wo.z > 0);
         }
-        Vec3 wi =
-            spherical(2 * (double)test_random(&random) - 1, 2 * PI * (double)test_random(&random));
-        BsdfEval e = material_eval(&point, lab->lambert, to_local(&point.frame, wi));
+        Vec3 wi = random_direction(&random);
+        BsdfEval e = material_eval(&point, lambert, to_local(&point.frame, wi));
         assert_true(e.value.r >= 0 && (wi.z * wo.z > 0 || e.value.r == 0));
     }
 }
@@ -158,10 +139,10 @@ static void no_light_leaks(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples_follow_the_pdf), cmocka_unit_test(chi_squared_finds_a_wrong_pdf),
-        cmocka_unit_test(eval_is_the_formula),    cmocka_unit_test(sample_agrees_with_eval),
-        cmocka_unit_test(albedo_is_the_color),    cmocka_unit_test(emissive_emits_in_front),
-        cmocka_unit_test(no_light_leaks),
+        cmocka_unit_test(samples_follow_the_pdf),  cmocka_unit_test(chi_squared_finds_a_wrong_pdf),
+        cmocka_unit_test(eval_is_the_formula),     cmocka_unit_test(sample_agrees_with_eval),
+        cmocka_unit_test(albedo_is_the_color),     cmocka_unit_test(without_a_material_it_is_grey),
+        cmocka_unit_test(emissive_emits_in_front), cmocka_unit_test(no_light_leaks),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

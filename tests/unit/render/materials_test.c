@@ -331,7 +331,7 @@ static void lobes_are_consistent(void **state)
         check_chi2(&bench, LOBES[i].name, material, 1000000, false, family);
         check_chi2(&bench, LOBES[i].name, material, 20000, true, family);
         check_weights(&bench, LOBES[i].name, material, 100000);
-        check_reciprocity(&bench, LOBES[i].name, material, 200000, 1, 1);
+        check_reciprocity(&bench, LOBES[i].name, material, 1000000, 1, 1);
         if (!LOBES[i].energetic) {
             check_energy(&bench, LOBES[i].name, material, LOBES[i].least, 4000);
         }
@@ -345,7 +345,7 @@ static void lobes_are_consistent(void **state)
     uint32_t outer = bench_material(&bench, "mix", text);
     check_chi2(&bench, "mix", outer, 1000000, false, family);
     check_weights(&bench, "mix", outer, 100000);
-    check_reciprocity(&bench, "mix", outer, 100000, 1, 1);
+    check_reciprocity(&bench, "mix", outer, 1000000, 1, 1);
     check_energy(&bench, "mix", outer, 0.5, 4000);
 }
 
