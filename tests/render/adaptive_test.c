@@ -308,6 +308,6 @@ int main(void)
     const char *text = getenv("SCN_EFFORT");
     effort = text ? atof(text) : 1;
     int failures = rare_flashes() + small_lamp() + confidence();
-    failures += check_judge(&table);
+    failures += check_judge(&table, "adaptive");
     return failures ? EXIT_FAILURE : EXIT_SUCCESS;
 }

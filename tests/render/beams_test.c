@@ -217,5 +217,5 @@ int main(void)
     suns();
     crowds();
     glowing_crowd();
-    return check_judge(&table) ? EXIT_FAILURE : EXIT_SUCCESS;
+    return check_judge(&table, "beams") ? EXIT_FAILURE : EXIT_SUCCESS;
 }

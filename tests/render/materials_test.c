@@ -301,6 +301,33 @@ static void cut_outs(void)
     close_lab(&lab);
 }
 
+// Cut-outs scatter nothing: what `bounces` ends goes on through them. A glowing floor seen through
+// two of them, directly and in a mirror.
+static void bounces_through_cut_outs(void)
+{
+    for (int mirrored = 0; mirrored < 2; ++mirrored) {
+        Lab lab;
+        open_lab(&lab);
+        uint32_t black = PUT(&lab.maker, "lambert", {"color", {0}});
+        uint32_t lace = PUT(&lab.maker, "mask", {"opacity", {0.3}}, {"base", {black}});
+        uint32_t silver = PUT(&lab.maker, "mirror", {"color", {0.5}});
+        put_floor(&lab);
+        for (int i = 0; i < 2; ++i) {
+            PUT(&lab.maker, "disc", {"center", {0, 1 + i, 0}}, {"normal", {0, 1, 0}},
+                {"radius", {20}}, {"material", {lace}});
+        }
+        if (mirrored) {
+            PUT(&lab.maker, "disc", {"center", {0, 4, 0}}, {"normal", {0, 1, 0}}, {"radius", {20}},
+                {"material", {silver}});
+        }
+        Ray ray = {vec3(0, 3, 0), vec3(0, mirrored ? 1 : -1, 0), 0, INFINITY};
+        check_mean(&table, mirrored ? "mirrored cut-outs, 1 bounce" : "cut-outs, no bounce",
+                   (mirrored ? 0.5 : 1) * 0.49,
+                   estimate(build(&lab, mirrored), single_ray, &ray, 1 << 4, 1), 1e-3);
+        close_lab(&lab);
+    }
+}
+
 // A floor with steep bumps, lit from below only, stays black; lit from all around by 1 it is never
 // brighter than 1.
 static double over_the_floor(const void *context, const float n[4], Ray *ray)
@@ -350,6 +377,7 @@ int main(void)
     light_in_a_medium();
     strategies_agree();
     cut_outs();
+    bounces_through_cut_outs();
     steep_normals();
-    return check_judge(&table) ? EXIT_FAILURE : EXIT_SUCCESS;
+    return check_judge(&table, "materials") ? EXIT_FAILURE : EXIT_SUCCESS;
 }

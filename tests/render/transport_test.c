@@ -544,6 +544,6 @@ int main(void)
     textured_lights();
     many_lights();
     int failures = point_light() + constant_sky();
-    failures += check_judge(&table);
+    failures += check_judge(&table, "transport");
     return failures ? EXIT_FAILURE : EXIT_SUCCESS;
 }

@@ -242,6 +242,18 @@ static bool pass_media(Path *path, const Surface *surface, double distance, doub
     return false;
 }
 
+// After the last scattering a ray goes on through cut-outs alone, which scatter nothing.
+static bool pass_on(Path *path, const WorldMaterial *material, const Surface *surface, Ray *ray)
+{
+    if (!(material->lobes & LOBE_PASS)) {
+        return false;
+    }
+    path->throughput =
+        rgb_mul(path->throughput, material_pass(path->world, surface->material, surface));
+    *ray = surface_spawn(surface, ray->direction);
+    return !rgb_is_black(path->throughput);
+}
+
 static void trace(Path *path, Ray ray, AovSample *aov)
 {
     const World *world = path->world;
@@ -271,16 +283,23 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         if (material->lobes & LOBE_EMIT || surface.lamp) {
             add_emitted(path, &ray, &hit, &surface);
         }
-        if (path->depth >= world->bounces && !(aov && i == 0)) {
-            return;
+        const bool last = path->depth >= world->bounces;
+        if (last && !(aov && i == 0)) {
+            if (!pass_on(path, material, &surface, &ray)) {
+                return;
+            }
+            continue;
         }
         ShadingPoint point;
         shading_point(world, &surface, ray.direction, &point);
         point.outside = outside;
         if (aov && i == 0) {
             aov_fill(&hit, &point, aov);
-            if (path->depth >= world->bounces) {
+            if (last && !pass_on(path, material, &surface, &ray)) {
                 return;
+            }
+            if (last) {
+                continue;
             }
         }
         const SurfaceNumbers n =
