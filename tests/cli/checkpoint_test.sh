@@ -35,7 +35,7 @@ kill_often() {
     scene=$1 whole=$2 wanted=$3 killed=0 finished=0 resumed=0 tries=0
     last="killing $scene"
     rm -f c killed.exr
-    while [ $killed -lt "$wanted" ] && [ $tries -lt $((20 * wanted)) ]; do
+    while { [ $killed -lt "$wanted" ] || [ $resumed -eq 0 ]; } && [ $tries -lt $((20 * wanted + 20)) ]; do
         tries=$((tries + 1))
         [ ! -e c ] || resumed=$((resumed + 1))
         result=$("$STOP_CHECK" 9 "$(milliseconds $tries)" "$SCNRENDER" "$scene" -o killed.exr $keeping --threads $((tries % 3 + 1)) 2>err)
