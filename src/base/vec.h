@@ -5,6 +5,8 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
 
 typedef struct Vec2 {
     double x, y;
@@ -173,7 +175,12 @@ static inline float rgb_max(Rgb a)
 }
 static inline bool rgb_is_black(Rgb a)
 {
-    return a.r == 0 && a.g == 0 && a.b == 0;
+    // By their bits but for the signs: three comparisons of floats would be six branches.
+    uint32_t r, g, b;
+    memcpy(&r, &a.r, sizeof r);
+    memcpy(&g, &a.g, sizeof g);
+    memcpy(&b, &a.b, sizeof b);
+    return (r | g | b) << 1 == 0;
 }
 static inline bool rgb_is_finite(Rgb a)
 {

@@ -96,6 +96,9 @@ static bool take(CarefulQuery *q, FlatHit found, uint32_t shape, const ShapeHit 
                     .instance = q->base.instance,
                     .local = *local,
                     .flat = flat};
+        if (flat <= q->base.group->accel->flat_count) {
+            accel_complete_hit(q->base.group->accel, to);
+        }
     }
     return found == FLAT_INSIDE;
 }
@@ -174,7 +177,6 @@ bool careful_intersect(const AccelGroup *group, const Ray *ray, uint32_t instanc
     } else if (!found) {
         return false;
     }
-    accel_complete_hit(group->accel, hit);
     return true;
 }
 

@@ -590,7 +590,7 @@ void accel_collect_free(Accel *accel)
         mem_free(accel->groups[i].kinds);
         mem_free(accel->groups[i].pockets);
         mem_free(accel->groups[i].geometries);
-        mem_free(accel->groups[i].sweep);
+        mem_free(accel->groups[i].sweep_memory);
     }
     mem_free(accel->groups);
     mem_free(accel->flats);

@@ -1,6 +1,6 @@
 // The table of flat pieces of surface, and tests of pieces in double precision; see accel_parts.h.
 #include "base/mem.h"
-#include "render/accel_parts.h"
+#include "render/accel_meet.h"
 #include "render/geometry.h"
 #include "render/shapes/mesh.h"
 
@@ -15,88 +15,58 @@ static Vec2 far_corner(const AccelFlat *flat)
     return (Vec2){(1 - flat->over_s) * apart, (1 - flat->over_t) * apart};
 }
 
-// The least of the four numbers that are positive inside.
-static inline double least_inside(const AccelFlat *flat, double s, double t)
-{
-    return smaller(smaller(s, t), smaller(1 - s - flat->over_s * t, 1 - t - flat->over_t * s));
-}
-
-// The triangle of a pair at (s, t) of the whole, and its own coordinates there.
-static void find_in_pair(const AccelFlat *flat, double s, double t, ShapeHit *out)
-{
-    const Vec2 far = far_corner(flat);
-    const bool second = s * far.y < t * far.x;
-    const double along = second ? s / far.x : t / far.y; // the diagonal
-    out->primitive += second;
-    out->u = second ? along : s - along * far.x;
-    out->v = second ? t - along * far.y : along;
-}
-
-static Vec3 flat_point(const AccelFlat *flat, double s, double t)
-{
-    return add(flat->corner, add(scale(flat->u, s), scale(flat->v, t)));
-}
-
-// Moves a point that lies beside the piece onto its edge, if it is no further from it than rounding
-// errors may bring it: those of the piece, and of a point at such a distance.
-static bool pull_inside(const AccelFlat *flat, double least, Vec3 from, double *s, double *t)
+bool accel_pull_inside(const AccelFlat *flat, Vec3 from, Meeting *met)
 {
     // Less than by how much rays are offset, which would meet the edges of neighbours otherwise.
-    if (!(least >= -(flat->error + 4 * ROUNDING * max_abs(from)) * flat->steep)) {
+    if (!(met->least >= -(flat->error + 4 * ROUNDING * max_abs(from)) * flat->steep)) {
         return false;
     }
-    *s = larger(*s, 0);
-    *t = larger(*t, 0);
-    const double over_s = *s + flat->over_s * *t, over_t = *t + flat->over_t * *s;
-    const double shrink = 1 / larger(1, larger(over_s, over_t));
-    *s *= shrink;
-    *t *= shrink;
+    const double s = larger(met->s, 0), t = larger(met->t, 0);
+    const double over = larger(s + flat->over_s * t, t + flat->over_t * s);
+    met->s = s / larger(1, over);
+    met->t = t / larger(1, over);
     return true;
 }
 
 bool accel_meet_flat(const Accel *accel, uint32_t number, const Ray *ray, uint32_t instance,
-                     bool edges, Hit *hit)
+                     Hit *hit)
 {
     const AccelFlat *flat = &accel->flats[number];
-    const Vec3 from = sub(flat->corner, ray->origin);
-    // That of the plane, so that its sign is that of the origin's side.
-    const double distance = dot(flat->normal, from) / dot(flat->normal, ray->direction);
-    const Vec3 at = sub(scale(ray->direction, distance), from);
-    double s = dot(flat->along_u, at), t = dot(flat->along_v, at);
-    const double least = least_inside(flat, s, t);
-    if (!(distance > ray->tmin && distance < ray->tmax) ||
-        (!(least >= 0) && !(edges && pull_inside(flat, least, from, &s, &t)))) {
+    Meeting met;
+    if (!meet(flat, ray, ray->tmax, false, &met)) {
         return false;
     }
-    hit->t = distance;
-    hit->shape = flat->shape;
-    hit->instance = instance;
-    hit->local = (ShapeHit){.t = distance, .primitive = flat->primitive, .u = s, .v = t};
-    hit->flat = number + 1;
-    hit->inside = least >= (double)flat->inset;
-    hit->p = flat_point(flat, s, t);
-    if (flat->pair) {
-        find_in_pair(flat, s, t, &hit->local);
-    }
+    complete_hit(flat, number, &met, instance, hit);
     return true;
+}
+
+ShapeHit accel_primitive_hit(const AccelFlat *flat, const ShapeHit *hit)
+{
+    ShapeHit out = *hit;
+    if (flat->pair) {
+        const Vec2 far = far_corner(flat);
+        const bool second = hit->u * far.y < hit->v * far.x;
+        const double along = second ? hit->u / far.x : hit->v / far.y; // the diagonal
+        out.primitive += second;
+        out.u = second ? along : hit->u - along * far.x;
+        out.v = second ? hit->v - along * far.y : along;
+    }
+    return out;
 }
 
 void accel_complete_hit(const Accel *accel, Hit *hit)
 {
-    if (hit->flat == 0 || hit->flat > accel->flat_count) {
-        return;
-    }
     const AccelFlat *flat = &accel->flats[hit->flat - 1];
-    double s = hit->local.u, t = hit->local.v;
+    Meeting met = {.distance = hit->t, .s = hit->local.u, .t = hit->local.v};
     if (flat->pair) {
         const Vec2 far = far_corner(flat);
         const bool second = hit->local.primitive != flat->primitive;
-        const double along = second ? s : t, beside = second ? t : s;
-        s = along * far.x + (second ? 0 : beside);
-        t = along * far.y + (second ? beside : 0);
+        const double along = second ? met.s : met.t, beside = second ? met.t : met.s;
+        met.s = along * far.x + (second ? 0 : beside);
+        met.t = along * far.y + (second ? beside : 0);
     }
-    hit->inside = least_inside(flat, s, t) >= (double)flat->inset;
-    hit->p = flat_point(flat, s, t);
+    met.least = least_inside(flat, met.s, met.t);
+    complete_hit(flat, hit->flat - 1, &met, hit->instance, hit);
 }
 
 bool accel_meet_mesh(const AccelKind *kind, uint32_t triangle, const Ray *ray, uint32_t instance,
@@ -184,6 +154,8 @@ static bool make_flat(const AccelKind *kind, uint32_t shape, uint32_t primitive,
         .shape = shape,
         .primitive = primitive,
         .four = four,
+        .material = accel_node_material(node, NULL),
+        .lamp = node->flags & NODE_LIGHT_ONLY,
         .smooth = kind->mesh && kind->mesh->normals,
     };
     return complete(out, kind->group->scale);
@@ -303,6 +275,9 @@ static void arrange(FlatArray *all, AccelGroup *group)
         qsort(flats + swept, count - swept, sizeof *flats, compare_corners);
     }
     group->sweep_count = swept;
+    for (uint32_t i = 0; i < swept; ++i) {
+        flats[i].swept = true;
+    }
     for (size_t i = swept; i < count; ++i) {
         group->quad_count += flats[i].four;
         group->triangle_count += !flats[i].four;

@@ -50,6 +50,7 @@
 
 #include "render/accel.h"
 #include "render/geometry.h"
+#include "render/sweep_kernel.h"
 
 // All in Embree's coordinates.
 // By how much the edges of triangles are moved outwards: more than the rounding of vertices and of
@@ -90,14 +91,9 @@
 // Meshes of no more triangles are kept in the table of flat pieces, and so many pieces in all.
 #define TABLE_MESH  4096
 #define TABLE_COUNT 65536
-// So many pieces of a group are swept if it has no more; else the largest, half as many at most,
-// whose boxes' surfaces are no smaller than this part of the group's box.
-#define SWEEP_MOST 32
+// Of a group of more than SWEEP_MOST pieces only the largest are swept, half as many at most, whose
+// boxes' surfaces are no smaller than this part of the group's box.
 #define SWEEP_AREA 0.0625
-// A bound on the rounding errors of the sweep's single precision, as a length and in parts of the
-// group's size, for rays that meet a piece head-on: they grow with the inverse of the cosine.
-#define SWEEP_ERROR 0x1p-19
-
 typedef struct AccelGroup AccelGroup;
 
 // Shapes of one kind in one group.
@@ -129,22 +125,18 @@ typedef struct AccelFlat {
     double steep; // how much, at most, one of the four numbers grows over a length of 1
     const AccelKind *kind;
     uint32_t shape, primitive;
-    float inset; // FLAT_INSET, in those numbers; INFINITY where the piece is too thin
-    bool four;   // corners
-    bool pair;   // four corners, of two triangles of a mesh: `primitive` and the next
-    bool smooth; // the shading normal isn't the piece's
+    uint32_t material; // of surfaces in the world
+    float inset;       // FLAT_INSET, in those numbers; INFINITY where the piece is too thin
+    bool four;         // corners
+    bool pair;         // four corners, of two triangles of a mesh: `primitive` and the next
+    bool smooth;       // the shading normal isn't the piece's
+    bool lamp;         // as in Surface
+    bool swept;
 } AccelFlat;
 
 // The numbers of a group's geometries: its flat pieces that aren't swept, then those kinds that
 // aren't tabled in their order, then the pockets and the instances.
 enum { GEOMETRY_QUADS, GEOMETRY_TRIANGLES, GEOMETRY_KINDS };
-
-// Eight pieces for the sweep, single precision in the group's coordinates: the plane, s and t as
-// linear functions of the point, and the rest of AccelFlat's.
-typedef float SweepFloats __attribute__((vector_size(32), aligned(16)));
-typedef struct SweepBlock {
-    SweepFloats plane[4], s[4], t[4], over_s, over_t, steep;
-} SweepBlock;
 
 struct AccelGroup {
     const Accel *accel;
@@ -155,7 +147,9 @@ struct AccelGroup {
     void *hierarchy;      // RTCScene; NULL: the group has nothing for it
     // Its pieces in the accelerator's table: those that are swept, then quads, then triangles.
     uint32_t first_flat, sweep_count, quad_count, triangle_count;
-    SweepBlock *sweep;
+    SweepBlock *sweep;  // within sweep_memory
+    void *sweep_memory; //
+    SweepKernel *kernel;
     uint32_t first_mesh, mesh_triangles; // the numbers of its other meshes' triangles
     AccelKind *kinds;
     uint32_t kind_count;
@@ -222,28 +216,27 @@ static inline uint32_t accel_first_flat(const AccelGroup *group, uint32_t geomet
     return group->first_flat + group->sweep_count +
            (geometry == GEOMETRY_TRIANGLES ? group->quad_count : 0);
 }
-// The test of a piece in double precision: fills all of *hit where the ray meets it between its
-// ends; with `edges`, also where it passes no further beside it than rounding errors may bring it.
+// The test in double precision of a piece that Embree has found: fills all of *hit where the ray
+// meets it between its ends.
 bool accel_meet_flat(const Accel *accel, uint32_t number, const Ray *ray, uint32_t instance,
-                     bool edges, Hit *hit);
-// Fills what a hit that the careful way has found lacks.
-void accel_complete_hit(const Accel *accel, Hit *hit);
-// The same as accel_meet_flat, without the edges, for a triangle of a mesh outside the table.
+                     Hit *hit);
+// The same for a triangle of a mesh outside the table.
 bool accel_meet_mesh(const AccelKind *kind, uint32_t triangle, const Ray *ray, uint32_t instance,
                      Hit *hit);
+// Brings a hit on a piece, as its shape's primitive has it, to the piece's own coordinates, and
+// fills what it lacks.
+void accel_complete_hit(const Accel *accel, Hit *hit);
+// The way back.
+ShapeHit accel_primitive_hit(const AccelFlat *flat, const ShapeHit *hit);
 
 // --- The sweep (accel_sweep.c) ------------------------------------------------------------------
 
-// A ray in a group's coordinates, its direction of unit length.
-typedef struct SweepRay {
-    float origin[3], direction[3];
-    float begin, end;
-} SweepRay;
 // Fills group->sweep from its pieces. False when memory runs out.
 bool accel_make_sweep(AccelGroup *group);
-// The nearest piece that is met before ray->tmax; `local` is the ray in the group's coordinates.
+// The nearest piece that is met before ray->tmax; `local` is the ray in the group's coordinates
+// from `begin` on, where t = 1 is `speed`.
 bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const SweepRay *local,
-                           uint32_t instance, Hit *hit);
+                           double begin, double speed, uint32_t instance, Hit *hit);
 bool accel_sweep_occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
                           uint32_t instance);
 
@@ -283,6 +276,9 @@ static inline bool accel_leaves_piece(const AccelGroup *group, const Ray *ray, u
 // Brings a point of a shape's or an instance's space to the next, its error grown by that of the
 // way there and back.
 void accel_map_out(const Accel *accel, uint32_t transform, ShapePoint *point);
+
+// Surface.material of a shape, in an instance or (NULL) the world.
+uint32_t accel_node_material(const SceneNode *node, const SceneInstance *instance);
 
 // Tests the unbounded shapes; the nearest before ray->tmax.
 bool accel_unbounded_hit(const Accel *accel, const Ray *ray, Hit *hit);

@@ -4,9 +4,6 @@
 #include "render/shapes/flat.h"
 #include "render/shapes/mesh.h"
 
-// A ray leaves a surface at this many times the bound on the point's error.
-#define SPAWN_FACTOR 4
-
 bool ray_clip(const Ray *ray, Box3 box, double margin, double *tmin, double *tmax)
 {
     for (int axis = 0; axis < 3; ++axis) {
@@ -231,39 +228,53 @@ static void hit_point(const Scene *scene, const SceneNode *node, const SceneInst
     class->point(scene, scene_params(scene, node), &local, hit, out);
 }
 
-// Fills what the node and the instance say of the surface.
-static void surface_of_node(const SceneNode *node, const SceneInstance *instance, Surface *out)
+uint32_t accel_node_material(const SceneNode *node, const SceneInstance *instance)
 {
-    out->material = node->material != NONE_ID || !instance ? node->material : instance->material;
-    out->lamp = node->flags & NODE_LIGHT_ONLY;
-    if (out->material == NONE_ID && out->lamp) {
-        out->material = MATERIAL_BLACK;
-    }
-}
-
-// How rays start that leave the surface. `normal` is the flat piece's, in its group's space.
-static RayEnds surface_ends(const Hit *hit, Vec3 normal)
-{
-    return (RayEnds){.flat = hit->flat,
-                     .instance = hit->instance,
-                     .normal = {(float)normal.x, (float)normal.y, (float)normal.z},
-                     .near_edge = !hit->inside};
-}
-
-// What is known of a hit on a piece of the table, in its group's space.
-static void piece_point(const AccelFlat *flat, const Hit *hit, ShapePoint *out)
-{
-    out->p = hit->p;
-    out->geometric = out->shading = flat->normal;
-    out->tangent = flat->u;
-    out->bitangent = flat->v;
-    out->error = flat->error;
+    const uint32_t material =
+        node->material != NONE_ID || !instance ? node->material : instance->material;
+    return material == NONE_ID && node->flags & NODE_LIGHT_ONLY ? MATERIAL_BLACK : material;
 }
 
 static bool shading_is_bent(const ShapePoint *point)
 {
     const Vec3 a = point->geometric, b = point->shading;
     return a.x != b.x || a.y != b.y || a.z != b.z;
+}
+
+// How rays start that leave the surface. `normal` is that of Embree's flat piece, in its group's
+// space.
+static void set_leaving(const Hit *hit, bool swept, Vec3 normal, Surface *out)
+{
+    out->flat = hit->flat;
+    out->near_edge = !hit->inside;
+    out->lifts = hit->flat && !swept;
+    out->own_normal[0] = (float)normal.x;
+    out->own_normal[1] = (float)normal.y;
+    out->own_normal[2] = (float)normal.z;
+}
+
+// What is known of a hit on a piece of the table in the world. No copies through memory.
+static void fill_plain_flat(const AccelFlat *flat, const Ray *ray, const Hit *hit, Surface *out)
+{
+    const Vec3 n = flat->normal;
+    out->p = hit->p;
+    out->geometric = n;
+    out->shading = n;
+    out->error = flat->error;
+    out->shape = flat->shape;
+    out->instance = NONE_ID;
+    out->primitive = flat->primitive;
+    out->material = flat->material;
+    out->front = dot(ray->direction, n) < 0;
+    out->lamp = flat->lamp;
+    out->bent = false;
+    out->whole = false;
+    out->flat = hit->flat;
+    out->near_edge = !hit->inside;
+    out->lifts = !flat->swept;
+    if (!flat->swept) {
+        set_leaving(hit, false, n, out);
+    }
 }
 
 static void fill_surface(const Accel *accel, const Ray *ray, const Hit *hit, bool whole,
@@ -274,23 +285,25 @@ static void fill_surface(const Accel *accel, const Ray *ray, const Hit *hit, boo
     const SceneInstance *instance =
         hit->instance == NONE_ID ? NULL : &scene->instances.items[hit->instance];
     const AccelFlat *flat = hit->flat - 1 < accel->flat_count ? &accel->flats[hit->flat - 1] : NULL;
+    const ShapeHit local = flat ? accel_primitive_hit(flat, &hit->local) : hit->local;
     ShapePoint point;
-    if (flat && !whole && !flat->smooth) {
-        piece_point(flat, hit, &point);
-    } else {
-        hit_point(scene, node, instance, ray, &hit->local, &point);
+    if (!flat || whole || flat->smooth) {
+        hit_point(scene, node, instance, ray, &local, &point);
         out->object_p = point.p;
         if (node->transform) {
             accel_map_out(accel, node->transform, &point);
         }
-        if (flat) { // the same, however much is asked for
-            point.p = hit->p;
-            point.geometric = flat->normal;
-            point.shading = flat->smooth ? point.shading : flat->normal;
-            point.error = flat->error;
+    }
+    if (flat) { // the same, however much is asked for
+        point.p = hit->p;
+        point.geometric = flat->normal;
+        point.shading = flat->smooth ? point.shading : flat->normal;
+        point.error = flat->error;
+        if (!whole) {
+            point.tangent = point.bitangent = vec3(0, 0, 0);
         }
     }
-    out->ends = surface_ends(hit, point.geometric);
+    set_leaving(hit, flat && flat->swept, point.geometric, out);
     if (instance && instance->transform) {
         accel_map_out(accel, instance->transform, &point);
     }
@@ -310,8 +323,9 @@ static void fill_surface(const Accel *accel, const Ray *ray, const Hit *hit, boo
     out->whole = whole;
     out->shape = hit->shape;
     out->instance = hit->instance;
-    out->primitive = hit->local.primitive;
-    surface_of_node(node, instance, out);
+    out->primitive = local.primitive;
+    out->material = accel_node_material(node, instance);
+    out->lamp = node->flags & NODE_LIGHT_ONLY;
     out->front = dot(ray->direction, point.geometric) < 0;
 }
 
@@ -322,45 +336,14 @@ void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *
 
 void accel_surface_plain(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out)
 {
-    fill_surface(accel, ray, hit, false, out);
-}
-
-static Vec3 spawn_origin(const Surface *surface, Vec3 direction)
-{
-    double offset = SPAWN_FACTOR * surface->error;
-    return add_scaled(surface->p, surface->geometric,
-                      dot(direction, surface->geometric) < 0 ? -offset : offset);
-}
-
-// A ray that leaves the surface to the side of `direction`.
-static Ray spawn(const Surface *surface, Vec3 origin, Vec3 direction, double tmax)
-{
-    Ray ray = {.origin = origin, .direction = direction, .tmax = tmax, .ends = surface->ends};
-    if (dot(direction, surface->geometric) < 0) {
-        for (int i = 0; i < 3; ++i) {
-            ray.ends.normal[i] = -ray.ends.normal[i];
+    if (hit->flat - 1 < accel->flat_count && hit->instance == NONE_ID) {
+        const AccelFlat *flat = &accel->flats[hit->flat - 1];
+        if (!flat->smooth) {
+            fill_plain_flat(flat, ray, hit, out);
+            return;
         }
     }
-    return ray;
-}
-
-Ray surface_spawn(const Surface *surface, Vec3 direction)
-{
-    return spawn(surface, spawn_origin(surface, direction), direction, INFINITY);
-}
-
-Ray surface_spawn_to(const Surface *surface, Vec3 target, double distance, double target_error,
-                     double facing)
-{
-    const Vec3 origin = spawn_origin(surface, sub(target, surface->p)), way = sub(target, origin);
-    // But for the offset, the length is known.
-    const bool near = distance < 0x1p26 * SPAWN_FACTOR * surface->error;
-    const double size = near ? length(way) : distance;
-    const Vec3 direction = size > 0 ? scale(way, 1 / size) : surface->geometric;
-    const double margin = SPAWN_FACTOR * (surface->error + target_error) + 1e-9 * size;
-    Ray ray = spawn(surface, origin, renormalize(direction), larger(0, size - margin));
-    ray.ends.facing = (float)facing;
-    return ray;
+    fill_surface(accel, ray, hit, false, out);
 }
 
 AccelIssues accel_issues(const Accel *accel)

@@ -1,145 +1,113 @@
-// Rays against a group's few flat pieces, eight at a time; see accel_parts.h.
-#include "base/clones.h"
+// Rays against a group's few flat pieces, many at a time; see accel_parts.h.
 #include "base/mem.h"
-#include "render/accel_parts.h"
-
-#include <string.h>
-
-enum { LANES = 8, MOST_BLOCKS = SWEEP_MOST / LANES };
+#include "render/accel_meet.h"
 
 // --- Making --------------------------------------------------------------------------------------
 
-static void put(SweepFloats *to, uint32_t lane, double value)
-{
-    float lanes[LANES];
-    memcpy(lanes, to, sizeof lanes);
-    lanes[lane] = (float)value;
-    memcpy(to, lanes, sizeof lanes);
-}
-
 // A linear function of the point, gradient · (p - corner), in the group's coordinates.
-static void put_function(SweepFloats *to, uint32_t lane, const AccelGroup *group, Vec3 gradient,
-                         Vec3 corner)
+static void put_function(float to[4][SWEEP_BLOCK], uint32_t lane, const AccelGroup *group,
+                         Vec3 gradient, Vec3 corner)
 {
-    put(&to[0], lane, gradient.x);
-    put(&to[1], lane, gradient.y);
-    put(&to[2], lane, gradient.z);
-    put(&to[3], lane, -dot(gradient, scale(sub(corner, group->center), group->inverse_scale)));
+    const Vec3 from = scale(sub(corner, group->center), group->inverse_scale);
+    to[0][lane] = (float)gradient.x;
+    to[1][lane] = (float)gradient.y;
+    to[2][lane] = (float)gradient.z;
+    to[3][lane] = (float)-dot(gradient, from);
 }
 
 bool accel_make_sweep(AccelGroup *group)
 {
-    const uint32_t count = group->sweep_count, blocks = (count + LANES - 1) / LANES;
+    const uint32_t count = group->sweep_count, blocks = (count + SWEEP_BLOCK - 1) / SWEEP_BLOCK;
     if (count == 0) {
         return true;
     }
-    group->sweep = mem_alloc_zeroed(blocks, sizeof *group->sweep);
-    for (uint32_t i = 0; group->sweep && i < count; ++i) {
+    const size_t alignment = 64;
+    group->sweep_memory = mem_alloc_zeroed(blocks * sizeof(SweepBlock) + alignment, 1);
+    if (!group->sweep_memory) {
+        return false;
+    }
+    const uintptr_t address = (uintptr_t)group->sweep_memory + alignment - 1;
+    group->sweep = (SweepBlock *)(address - address % alignment);
+    group->kernel = sweep_kernel_best();
+    for (uint32_t i = 0; i < count; ++i) {
         const AccelFlat *flat = &group->accel->flats[group->first_flat + i];
-        SweepBlock *block = &group->sweep[i / LANES];
-        const uint32_t lane = i % LANES;
+        SweepBlock *block = &group->sweep[i / SWEEP_BLOCK];
+        const uint32_t lane = i % SWEEP_BLOCK;
         const double size = group->scale;
         put_function(block->plane, lane, group, flat->normal, flat->corner);
         put_function(block->s, lane, group, scale(flat->along_u, size), flat->corner);
         put_function(block->t, lane, group, scale(flat->along_v, size), flat->corner);
-        put(&block->over_s, lane, flat->over_s);
-        put(&block->over_t, lane, flat->over_t);
-        put(&block->steep, lane, flat->steep * size);
+        block->over_s[lane] = (float)flat->over_s;
+        block->over_t[lane] = (float)flat->over_t;
+        block->steep[lane] = (float)(flat->steep * size);
     }
-    return group->sweep != NULL;
+    return true;
 }
 
 // --- Sweeping ------------------------------------------------------------------------------------
 
-typedef int32_t SweepInts __attribute__((vector_size(32)));
-
-// What may be hit: a bit for each piece, and where.
-typedef struct Candidates {
-    uint32_t bits;
-    SweepFloats t[MOST_BLOCKS];
-} Candidates;
-
-// One bit for each lane of a mask that is all ones.
-static inline __attribute__((always_inline)) uint32_t gather_bits(const SweepInts *mask)
+// The pieces that the ray may meet, but for the one that it leaves, which is plane.
+static inline uint32_t candidates(const AccelGroup *group, const Ray *ray, const SweepRay *local,
+                                  uint32_t instance, float *from)
 {
-    int64_t parts[4];
-    const SweepInts bits = *mask & (SweepInts){1, 2, 4, 8, 16, 32, 64, 128};
-    memcpy(parts, &bits, sizeof parts);
-    const int64_t all = (parts[0] | parts[1]) | (parts[2] | parts[3]);
-    return (uint32_t)(all | all >> 32) & 255;
-}
-
-#define LINEAR(f, x, y, z) ((f)[0] * (x) + (f)[1] * (y) + (f)[2] * (z) + (f)[3])
-
-// Comparisons are such that what isn't a number, where a ray is parallel to a plane, may be hit.
-VECTOR_CLONES static void find_candidates(const SweepBlock *blocks, uint32_t count,
-                                          const SweepRay *ray, Candidates *out)
-{
-    const float ox = ray->origin[0], oy = ray->origin[1], oz = ray->origin[2];
-    const float dx = ray->direction[0], dy = ray->direction[1], dz = ray->direction[2];
-    out->bits = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        const SweepBlock *b = &blocks[i];
-        const SweepFloats speed = b->plane[0] * dx + b->plane[1] * dy + b->plane[2] * dz;
-        const SweepFloats inverse = 1 / speed, t = -LINEAR(b->plane, ox, oy, oz) * inverse;
-        const SweepFloats size = (SweepFloats)((SweepInts)inverse & INT32_MAX);
-        const SweepFloats error = size * (float)SWEEP_ERROR, limit = -(b->steep * error);
-        const SweepFloats x = ox + t * dx, y = oy + t * dy, z = oz + t * dz;
-        const SweepFloats s = LINEAR(b->s, x, y, z), r = LINEAR(b->t, x, y, z);
-        const SweepInts missed = (t + error < ray->begin) | (t - error > ray->end) | (s < limit) |
-                                 (r < limit) | (1 - s - b->over_s * r < limit) |
-                                 (1 - r - b->over_t * s < limit);
-        const SweepInts may_be = ~missed;
-        out->t[i] = t;
-        out->bits |= gather_bits(&may_be) << (LANES * i);
-    }
-}
-
-// The candidates among the group's pieces, but for the one that the ray leaves, which is plane.
-static uint32_t candidates_of(const AccelGroup *group, const Ray *ray, const SweepRay *local,
-                              uint32_t instance, Candidates *out)
-{
-    const uint32_t count = group->sweep_count;
-    find_candidates(group->sweep, (count + LANES - 1) / LANES, local, out);
-    uint32_t bits = out->bits & (UINT32_MAX >> (SWEEP_MOST - count));
+    const uint32_t bits = group->kernel(group->sweep, group->sweep_count, local, from);
     const uint32_t own = ray->ends.flat - 1 - group->first_flat;
-    if (own < count && ray->ends.instance == instance) {
-        bits &= ~(UINT32_C(1) << own);
+    const bool leaves = own < group->sweep_count && ray->ends.instance == instance;
+    return leaves ? bits & ~(UINT32_C(1) << own) : bits;
+}
+
+// The one of several that may be met first.
+static uint32_t first_of(uint32_t bits, const float *from)
+{
+    uint32_t first = (uint32_t)__builtin_ctz(bits);
+    for (bits &= bits - 1; bits; bits &= bits - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(bits);
+        first = from[i] < from[first] ? i : first;
     }
-    return bits;
+    return first;
 }
 
 bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const SweepRay *local,
-                           uint32_t instance, Hit *hit)
+                           double begin, double speed, uint32_t instance, Hit *hit)
 {
-    Candidates candidates;
-    uint32_t bits = candidates_of(group, ray, local, instance, &candidates);
-    if (bits == 0) {
+    float from[SWEEP_MOST];
+    uint32_t bits = candidates(group, ray, local, instance, from), best = NONE_ID;
+    Meeting nearest = {.distance = ray->tmax}, met;
+    const AccelFlat *flats = group->accel->flats + group->first_flat;
+    while (bits) {
+        const uint32_t i = first_of(bits, from);
+        bits &= ~(UINT32_C(1) << i);
+        if (!meet(&flats[i], ray, nearest.distance, true, &met)) {
+            continue;
+        }
+        nearest = met;
+        best = i;
+        // None of the others comes first if this one's error doesn't let it.
+        const float length = (float)(met.distance * speed - begin);
+        uint32_t left = 0;
+        for (; bits; bits &= bits - 1) {
+            left |= from[__builtin_ctz(bits)] > length ? 0 : bits & -bits;
+        }
+        bits = left;
+    }
+    if (best == NONE_ID) {
         return false;
     }
-    float t[SWEEP_MOST];
-    memcpy(t, candidates.t, sizeof t);
-    bool found = false;
-    Ray nearer = *ray;
-    for (; bits; bits &= bits - 1) {
-        const uint32_t i = (uint32_t)__builtin_ctz(bits);
-        if (accel_meet_flat(group->accel, group->first_flat + i, &nearer, instance, true, hit)) {
-            nearer.tmax = hit->t;
-            found = true;
-        }
-    }
-    return found;
+    complete_hit(&flats[best], group->first_flat + best, &nearest, instance, hit);
+    return true;
 }
 
 bool accel_sweep_occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
                           uint32_t instance)
 {
-    Candidates candidates;
-    Hit hit;
-    uint32_t bits = candidates_of(group, ray, local, instance, &candidates);
-    for (; bits; bits &= bits - 1) {
-        const uint32_t i = (uint32_t)__builtin_ctz(bits);
-        if (accel_meet_flat(group->accel, group->first_flat + i, ray, instance, true, &hit)) {
+    float from[SWEEP_MOST];
+    const AccelFlat *flats = group->accel->flats + group->first_flat;
+    for (uint32_t bits = candidates(group, ray, local, instance, from); bits; bits &= bits - 1) {
+        const AccelFlat *flat = &flats[__builtin_ctz(bits)];
+        Meeting met;
+        // The way to a point of a lamp ends in its plane.
+        const bool target = flat->shape + 1 == ray->ends.target && instance == NONE_ID;
+        if (!target && meet(flat, ray, ray->tmax, true, &met)) {
             return true;
         }
     }

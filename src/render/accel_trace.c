@@ -4,7 +4,8 @@
 
 // --- Rays -------------------------------------------------------------------------------------
 
-static const Box3 unit_cube = {{-1, -1, -1}, {1, 1, 1}};
+// The distance from a group's middle within which all of it lies, and more.
+#define GROUP_RADIUS 1.75
 
 // A ray in a group's coordinates.
 typedef struct LocalRay {
@@ -25,11 +26,14 @@ static inline bool local_ray(const AccelGroup *group, const Ray *ray, uint32_t i
         out->direction = scale(ray->direction, 1 / size);
         out->speed *= size;
     }
-    out->begin = ray->tmin * out->speed;
+    out->begin = ray->tmin > 0 ? ray->tmin * out->speed : 0;
     out->end = ray->tmax * out->speed;
     if (max_abs(out->origin) > 2) {
-        const Ray local = ray_make(out->origin, out->direction, 0, 0);
-        return ray_clip(&local, unit_cube, 0x1p-10, &out->begin, &out->end);
+        // The sphere about the unit cube, and a little more.
+        const double middle = -dot(out->origin, out->direction);
+        const double aside = length_squared(add_scaled(out->origin, out->direction, middle));
+        out->begin = larger(out->begin, middle - GROUP_RADIUS);
+        return aside < GROUP_RADIUS * GROUP_RADIUS && out->begin < out->end;
     }
     return true;
 }
@@ -46,7 +50,6 @@ static inline SweepRay sweep_ray(const LocalRay *local)
     const Vec3 o = local_start(local), d = local->direction;
     return (SweepRay){{(float)o.x, (float)o.y, (float)o.z},
                       {(float)d.x, (float)d.y, (float)d.z},
-                      0,
                       (float)(local->end - local->begin)};
 }
 
@@ -110,7 +113,7 @@ static bool accept(const AccelGroup *group, const Ray *ray, uint32_t instance,
     const bool met =
         geometry < GEOMETRY_KINDS
             ? accel_meet_flat(group->accel, accel_first_flat(group, geometry) + found->primID, ray,
-                              instance, false, hit)
+                              instance, hit)
             : accel_meet_mesh(group->geometries[geometry - GEOMETRY_KINDS], found->primID, ray,
                               instance, hit);
     return met && !(hit->flat == ray->ends.flat && instance == ray->ends.instance);
@@ -163,7 +166,7 @@ bool group_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance,
     bool found = false;
     if (group->sweep_count) {
         const SweepRay swept = sweep_ray(&local);
-        found = accel_sweep_intersect(group, ray, &swept, instance, hit);
+        found = accel_sweep_intersect(group, ray, &swept, local.begin, local.speed, instance, hit);
     }
     if (!group->hierarchy) {
         return found;

@@ -51,6 +51,9 @@ void filter_init(PixelFilter *filter, FilterKind kind, double width)
         filter->mass[i] = i == FILTER_CELLS / 2 ? 0.5 : fmax(mass, filter->mass[i - 1]);
         filter->mass[FILTER_CELLS - i] = 1 - filter->mass[i];
     }
+    for (int i = 0; i < FILTER_CELLS; ++i) {
+        filter->stretch[i] = 1 / (FILTER_CELLS * (filter->mass[i + 1] - filter->mass[i]));
+    }
     uint16_t cell = 0;
     for (int i = 0; i < FILTER_CELLS; ++i) {
         while (filter->mass[cell + 1] <= (double)i / FILTER_CELLS) {
@@ -64,10 +67,10 @@ double filter_sample(const PixelFilter *filter, float u)
 {
     const double v = (double)u;
     int cell = filter->guide[(int)(v * FILTER_CELLS)];
+    cell += filter->mass[cell + 1] <= v; // no branch: half of the numbers take either
     while (filter->mass[cell + 1] <= v) {
         ++cell;
     }
-    const double low = filter->mass[cell], high = filter->mass[cell + 1];
-    const double x = (cell + (v - low) / (high - low)) / FILTER_CELLS;
+    const double x = cell * (1.0 / FILTER_CELLS) + (v - filter->mass[cell]) * filter->stretch[cell];
     return (x - 0.5) * filter->width;
 }

@@ -21,6 +21,7 @@ typedef struct PixelFilter {
     FilterKind kind;
     double width;                  // of the whole support, pixels
     double mass[FILTER_CELLS + 1]; // integral of the density up to each cell's start
+    double stretch[FILTER_CELLS];  // a cell's width over its mass, in parts of the support
     uint16_t guide[FILTER_CELLS];  // the cell where a search for u in [i, i + 1) / CELLS begins
 } PixelFilter;
 

@@ -64,13 +64,6 @@ uint32_t light_of_surface(const World *world, const Surface *surface)
     return emits || surface->lamp ? find_shape(set, surface->shape, surface->instance) : NONE_ID;
 }
 
-Ray light_sample_ray(const Surface *surface, const LightSample *sample)
-{
-    return isfinite(sample->distance) ? surface_spawn_to(surface, sample->point, sample->distance,
-                                                         sample->error, sample->facing)
-                                      : surface_spawn(surface, sample->direction);
-}
-
 // --- Building -----------------------------------------------------------------------------------
 
 typedef struct Builder {
@@ -103,7 +96,8 @@ static void push_node(Builder *b, uint32_t id, uint32_t instance)
                    .instance = instance,
                    .to_world = scene->transforms.items[node->transform],
                    .bounds = box3_empty(),
-                   .cone = ALL_AROUND};
+                   .cone = ALL_AROUND,
+                   .parts = true};
     if (instance != NONE_ID) {
         const Affine *outer = &scene->transforms.items[scene->instances.items[instance].transform];
         light.to_world = affine_multiply(outer, &light.to_world);
@@ -145,7 +139,8 @@ static void push_shape(Builder *b, uint32_t shape, uint32_t instance)
                     .instance = instance,
                     .to_world = accel_to_world(b->world->accel, shape, instance),
                     .bounds = box3_empty(),
-                    .cone = ALL_AROUND});
+                    .cone = ALL_AROUND,
+                    .parts = true});
 }
 
 // The shapes of prototypes that may emit, grouped by prototype: those of prototype p are
@@ -421,6 +416,16 @@ uint32_t light_node_of(const NodeType *type, const void *params, Category catego
 size_t light_set_count(const LightSet *set)
 {
     return set->lights.count;
+}
+
+const Light *light_set_items(const LightSet *set)
+{
+    return set->lights.items;
+}
+
+uint32_t light_set_only(const LightSet *set)
+{
+    return set->by_power.count == 1 ? set->chosen[0] : NONE_ID;
 }
 
 const Light *light_set_get(const LightSet *set, size_t index)

@@ -40,6 +40,7 @@ typedef struct Light {
     double intensity;
     LightCone cone;
     bool delta; // no ray finds it, though its class is one of infinite lights
+    bool parts; // sample needs its third number, of more than 24 bits
     bool whole; // emitted asks of a surface more than accel_surface_plain gives
 } Light;
 
@@ -55,6 +56,7 @@ typedef struct LightSample {
     double distance; // INFINITY for lights at infinity
     Vec3 point;      // on the light, where distance is finite
     double error;    // bound on that point's distance from the true surface
+    uint32_t target; // 1 + that shape, where it is flat and in the world; else 0
     double facing;   // where that surface is flat: cosine between its normal and the way; else 0
     Rgb value;       // delta: irradiance on a surface facing the light, W/m²; else the radiance
     float pdf;       // by solid angle, of the direction given this light; 1 for delta
@@ -94,6 +96,9 @@ LightSet *light_set_build(struct World *world, Arena *arena, DiagSink *sink);
 void light_set_free(LightSet *set);
 size_t light_set_count(const LightSet *set);
 const Light *light_set_get(const LightSet *set, size_t index);
+const Light *light_set_items(const LightSet *set);
+// The light that light_choose chooses for all points; NONE_ID where there are none or several.
+uint32_t light_set_only(const LightSet *set);
 // The attenuation, falloff or shape of a light with these parameters (NULL: none): the node of its
 // first field of that category, or NONE_ID.
 uint32_t light_node_of(const NodeType *type, const void *params, Category category);
@@ -106,7 +111,16 @@ uint32_t light_choose(const LightSet *set, const LightReceiver *at, double u, fl
 // The chance with which light_choose takes `light`.
 float light_chance(const LightSet *set, const LightReceiver *at, uint32_t light);
 // The ray from a surface to the light's point, or into infinity.
-Ray light_sample_ray(const Surface *surface, const LightSample *sample);
+static inline Ray light_sample_ray(const Surface *surface, const LightSample *sample)
+{
+    if (!(sample->distance < INFINITY)) {
+        return surface_spawn(surface, sample->direction);
+    }
+    Ray ray =
+        surface_spawn_to(surface, sample->point, sample->distance, sample->error, sample->facing);
+    ray.ends.target = sample->target;
+    return ray;
+}
 // The index of the light that a hit surface is, or NONE_ID.
 uint32_t light_of_surface(const struct World *world, const Surface *surface);
 

@@ -31,23 +31,10 @@ static void frame_in(const ShadingPoint *point, Vec3 normal, Vec3 tangent, Vec3 
     out->bent = true;
 }
 
-void shading_point(const World *world, const Surface *surface, Vec3 direction, ShadingPoint *out)
+void shading_point_bent(const Surface *surface, Vec3 direction, ShadingPoint *out)
 {
-    out->world = world;
-    out->surface = surface;
-    out->outside = 0;
-    out->layer = LAYER_NONE;
-    if (surface->bent) {
-        const Vec3 tangent = surface->whole ? surface->tangent : vec3(0, 0, 0);
-        frame_in(out, surface->shading, tangent, neg(direction), out);
-        return;
-    }
-    out->frame = surface->whole ? frame_from_tangent(surface->geometric, surface->tangent)
-                                : frame_from_normal(surface->geometric);
-    out->wo = to_local(&out->frame, neg(direction));
-    out->geometric = vec3(0, 0, 1);
-    out->wo_side = out->wo.z;
-    out->bent = false;
+    const Vec3 tangent = surface->whole ? surface->tangent : vec3(0, 0, 0);
+    frame_in(out, surface->shading, tangent, neg(direction), out);
 }
 
 void shading_point_bend(const ShadingPoint *point, Vec3 normal, Vec3 tangent, ShadingPoint *out)
@@ -122,17 +109,29 @@ static bool sides_agree(const ShadingPoint *point, Vec3 wi)
 
 BsdfEval material_eval(const ShadingPoint *point, uint32_t id, Vec3 wi)
 {
-    const WorldMaterial *m = world_material(point->world, id);
+    BsdfEval out;
+    material_evaluate(point, world_material(point->world, id), wi, &out);
+    return out;
+}
+
+void material_evaluate(const ShadingPoint *point, const WorldMaterial *m, Vec3 wi, BsdfEval *out)
+{
     if (wi.z == 0 || point->wo.z == 0 || !sides_agree(point, wi)) {
-        return (BsdfEval){{0, 0, 0}, 0};
+        *out = (BsdfEval){{0, 0, 0}, 0};
+        return;
     }
-    return m->class->eval(point, m->params, wi);
+    m->class->eval(point, m->params, wi, out);
 }
 
 bool material_sample(const ShadingPoint *point, uint32_t id, float lobe, float u, float v,
                      BsdfSample *out)
 {
-    const WorldMaterial *m = world_material(point->world, id);
+    return material_choose(point, world_material(point->world, id), lobe, u, v, out);
+}
+
+bool material_choose(const ShadingPoint *point, const WorldMaterial *m, float lobe, float u,
+                     float v, BsdfSample *out)
+{
     if (point->wo.z == 0 || !m->class->sample(point, m->params, lobe, u, v, out)) {
         return false;
     }
@@ -195,36 +194,4 @@ LocalTerms material_local(const ShadingPoint *point, uint32_t id, Vec3 l)
     }
     Rgb value = material_eval(point, id, l).value;
     return (LocalTerms){.specular = rgb_scale(value, (float)PI)};
-}
-
-// Sine and cosine of an angle of at most π/4: their series, good to 2e-9, so that directions don't
-// depend on the C library and cost a third.
-static void short_sine_cosine(double x, double *sine, double *cosine)
-{
-    const double q = x * x;
-    *sine = x * (1 - q * (1.0 / 6) *
-                         (1 - q * (1.0 / 20) * (1 - q * (1.0 / 42) * (1 - q * (1.0 / 72)))));
-    *cosine = 1 - q * 0.5 *
-                      (1 - q * (1.0 / 12) *
-                               (1 - q * (1.0 / 30) * (1 - q * (1.0 / 56) * (1 - q * (1.0 / 90)))));
-}
-
-Vec2 sample_disc(float u, float v)
-{
-    const double a = 2 * (double)u - 1, b = 2 * (double)v - 1;
-    const bool wide = fabs(a) > fabs(b);
-    const double r = wide ? a : b, other = wide ? b : a;
-    if (r == 0) {
-        return (Vec2){0, 0};
-    }
-    // The angle from the nearest axis.
-    double sine, cosine;
-    short_sine_cosine(PI / 4 * (other / r), &sine, &cosine);
-    return wide ? (Vec2){r * cosine, r * sine} : (Vec2){r * sine, r * cosine};
-}
-
-Vec3 sample_cosine_hemisphere(float u, float v)
-{
-    Vec2 d = sample_disc(u, v);
-    return vec3(d.x, d.y, sqrt(larger(0, 1 - d.x * d.x - d.y * d.y)));
 }

@@ -11,6 +11,7 @@
 #define RENDER_MATERIAL_H
 
 #include "render/accel.h"
+#include "render/disc.h"
 #include "render/medium.h"
 
 struct World;
@@ -77,7 +78,7 @@ typedef struct MaterialClass {
     // The lobes of a material with these parameters. Materials inside are asked by material_lobes.
     uint32_t (*lobes)(const struct World *world, const void *params);
     // Smooth lobes only; no side test is needed here, material_eval has made it.
-    BsdfEval (*eval)(const ShadingPoint *point, const void *params, Vec3 wi);
+    void (*eval)(const ShadingPoint *point, const void *params, Vec3 wi, BsdfEval *out);
     // Chooses wi from three numbers in [0, 1): `lobe` for choosing among lobes, u and v for the
     // direction. False: nothing is scattered.
     bool (*sample)(const ShadingPoint *point, const void *params, float lobe, float u, float v,
@@ -104,6 +105,15 @@ typedef struct MaterialClass {
     const char *caveat;
 } MaterialClass;
 
+// A MaterialClass.eval of a function that returns what it finds: four floats in two registers are
+// packed by way of memory, which stalls the processor, where they aren't inlined.
+#define MATERIAL_EVAL(function)                                                                    \
+    static void function##_into(const ShadingPoint *point, const void *params, Vec3 wi,            \
+                                BsdfEval *out)                                                     \
+    {                                                                                              \
+        *out = function(point, params, wi);                                                        \
+    }
+
 // A material of the world, resolved: world->materials[id], and [material_count] the default one.
 typedef struct WorldMaterial {
     const MaterialClass *class;
@@ -116,8 +126,8 @@ typedef struct WorldMaterial {
 // Makes the point ready; `direction` is the ray's, unit, in the world. A shading normal whose back
 // faces the viewer while the surface's front does (at a grazing angle on a coarse smooth mesh) is
 // bent until it just faces the viewer, so that no black specks appear there.
-void shading_point(const struct World *world, const Surface *surface, Vec3 direction,
-                   ShadingPoint *out);
+static inline void shading_point(const struct World *world, const Surface *surface, Vec3 direction,
+                                 ShadingPoint *out);
 // The same point in another shading frame (normal and bump maps): `normal` and `tangent` are in the
 // world, normal is unit and on the geometric front.
 void shading_point_bend(const ShadingPoint *point, Vec3 normal, Vec3 tangent, ShadingPoint *out);
@@ -132,6 +142,11 @@ bool material_needs_whole(const struct World *world, uint32_t id);
 BsdfEval material_eval(const ShadingPoint *point, uint32_t id, Vec3 wi);
 bool material_sample(const ShadingPoint *point, uint32_t id, float lobe, float u, float v,
                      BsdfSample *out);
+// The same for a material that is known already.
+void material_evaluate(const ShadingPoint *point, const WorldMaterial *material, Vec3 wi,
+                       BsdfEval *out);
+bool material_choose(const ShadingPoint *point, const WorldMaterial *material, float lobe, float u,
+                     float v, BsdfSample *out);
 // The delta lobes as MaterialClass.deltas gives them: 0 for a material without any, -1 where only
 // `sample` can tell.
 int material_deltas(const ShadingPoint *point, uint32_t id, BsdfSample *out, int room);
@@ -145,9 +160,26 @@ bool material_medium(const struct World *world, uint32_t id, Medium *out);
 // slides' k C max(0, n·l); delta lobes show nothing.
 LocalTerms material_local(const ShadingPoint *point, uint32_t id, Vec3 l);
 
-// A direction about +z with pdf z/π from (u, v) in [0,1)² (Shirley and Chiu 1997: concentric).
-Vec3 sample_cosine_hemisphere(float u, float v);
-// A point of the unit disc, uniform by area, by the same map.
-Vec2 sample_disc(float u, float v);
+// The part of shading_point for surfaces whose shading normal is bent.
+void shading_point_bent(const Surface *surface, Vec3 direction, ShadingPoint *out);
+
+static inline void shading_point(const struct World *world, const Surface *surface, Vec3 direction,
+                                 ShadingPoint *out)
+{
+    out->world = world;
+    out->surface = surface;
+    out->outside = 0;
+    out->layer = LAYER_NONE;
+    if (surface->bent) {
+        shading_point_bent(surface, direction, out);
+        return;
+    }
+    out->frame = surface->whole ? frame_from_tangent(surface->geometric, surface->tangent)
+                                : frame_from_normal(surface->geometric);
+    out->wo = to_local(&out->frame, neg(direction));
+    out->geometric = vec3(0, 0, 1);
+    out->wo_side = out->wo.z;
+    out->bent = false;
+}
 
 #endif

@@ -34,8 +34,8 @@ static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, Aov
     float u, v, lens_u, lens_v;
     sampler_2d(&sampler, &u, &v);
     sampler_2d(&sampler, &lens_u, &lens_v);
-    const double film_x = (x + 0.5 + filter_sample(&r->filter, u)) / r->film.width;
-    const double film_y = (y + 0.5 + filter_sample(&r->filter, v)) / r->film.height;
+    const double film_x = (x + 0.5 + filter_sample(&r->filter, u)) * r->pixel_width;
+    const double film_y = (y + 0.5 + filter_sample(&r->filter, v)) * r->pixel_height;
     Ray ray;
     if (!camera_ray(&r->camera, film_x, film_y, lens_u, lens_v, &ray)) {
         return rgb_gray(0);
@@ -53,12 +53,13 @@ static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, uint3
 {
     const bool aovs = site->stream->aovs != NULL;
     for (; from < to && !renderer_stopped(r); ++from) {
-        AovSample aov = {.object = 0};
-        const Rgb radiance =
-            take_sample(r, site, r->film.first_sample + from, aovs ? &aov : NULL, stats);
-        film_pixel_add(&sums->color, radiance);
+        const uint32_t number = r->film.first_sample + from;
         if (aovs) {
+            AovSample aov = {.object = 0};
+            film_pixel_add(&sums->color, take_sample(r, site, number, &aov, stats));
             film_aov_add(&sums->aov, &aov);
+        } else {
+            film_pixel_add(&sums->color, take_sample(r, site, number, NULL, stats));
         }
         if (from % TICK_SAMPLES == 0) {
             renderer_tick(r);

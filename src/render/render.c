@@ -126,6 +126,8 @@ static bool prepare(Renderer *r, DiagSink *sink)
         r->integrator->check(r->world, sink);
     }
     filter_init(&r->filter, (FilterKind)r->film_params.filter, r->film_params.filter_width);
+    r->pixel_width = 1 / (double)r->film.width;
+    r->pixel_height = 1 / (double)r->film.height;
     return true;
 }
 

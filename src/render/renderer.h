@@ -19,6 +19,7 @@ struct Renderer {
     World *world;
     Camera camera;
     PixelFilter filter;
+    double pixel_width, pixel_height; // of the film's sides
     TileList tiles;
     Film film;
     const StopRule *rule;   // or NULL

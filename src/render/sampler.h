@@ -12,6 +12,7 @@
 #include "base/hash.h"
 
 #include <stdint.h>
+#include <string.h>
 
 // Private but for sampler_*(); a few words, to live on the stack.
 typedef struct Sampler {
@@ -44,14 +45,32 @@ static inline float sampler_1d(Sampler *sampler)
     return sampler->values[dimension & 7];
 }
 
+// The bits beyond the first 24 of dimension `dimension`, for sampler_1d_fine.
+static inline double sampler_finer(const Sampler *sampler, uint32_t dimension)
+{
+    const uint32_t more =
+        hash_combine(hash_combine(sampler->seed, sampler->reversed_index), dimension);
+    return 0x1p-24 * ((double)(more >> 3) * 0x1p-29);
+}
+
 // The same with 53 bits, those beyond the first 24 hashed: for a choice among very many things.
 static inline double sampler_1d_fine(Sampler *sampler)
 {
     const uint32_t dimension = sampler->dimension;
     const double coarse = (double)sampler_1d(sampler);
-    const uint32_t more =
-        hash_combine(hash_combine(sampler->seed, sampler->reversed_index), dimension);
-    return coarse + 0x1p-24 * ((double)(more >> 3) * 0x1p-29);
+    return coarse + sampler_finer(sampler, dimension);
+}
+
+// The numbers of the eight dimensions from `dimension` on, a multiple of 4; goes on after them.
+static inline void sampler_eight(Sampler *sampler, uint32_t dimension, float out[8])
+{
+    for (int half = 0; half < 2; ++half, dimension += 4) {
+        if ((dimension >> 3) + 1 != sampler->pair) {
+            sampler_fill(sampler, dimension >> 3);
+        }
+        memcpy(out + 4 * half, sampler->values + (dimension & 4), 4 * sizeof *out);
+    }
+    sampler->dimension = dimension;
 }
 
 // Two numbers, from two dimensions of one set (a fourth dimension left over is passed over).

@@ -17,9 +17,10 @@ typedef struct RayEnds {
     uint32_t flat;     // number + 1 of the flat piece of surface that the ray leaves; 0: none
     uint32_t instance; // that it is in
     float normal[3];   // of the piece in its group's space, unit, on the ray's side
-    float facing;   // cosine between the ray and the normal of the surface just beyond tmax, which
-                    // doesn't count; 0: no such surface
-    bool near_edge; // the ray starts so near to the piece's edges that it has to take care
+    float facing;    // cosine between the ray and the normal of the surface just beyond tmax, which
+                     // doesn't count; 0: no such surface
+    uint32_t target; // 1 + the shape, flat and in the world, of a point at tmax; 0: none
+    bool near_edge;  // the ray starts so near to the piece's edges that it has to take care
 } RayEnds;
 
 typedef struct Ray {
@@ -59,6 +60,14 @@ typedef struct ShapeSample {
     double pdf; // by area, or by solid angle seen from the reference point, as the function says
 } ShapeSample;
 
+// A point chosen for lighting a reference point. All in the world.
+typedef struct ShapeAim {
+    Vec3 p, normal; // unit
+    double error;   // bound on the distance from p to the surface
+    double pdf;     // by solid angle or by area
+    bool by_angle;
+} ShapeAim;
+
 // How the accelerator holds a kind.
 typedef enum ShapeHolding {
     HOLD_USER,      // through bounds and intersect
@@ -93,6 +102,11 @@ typedef struct ShapeClass {
     // `table` as there.
     bool (*sample_solid_angle)(const void *params, const Affine *to_world, const void *table,
                                Vec3 reference, double u0, double u1, ShapeSample *out);
+    // What the two above choose for a light that emits alike everywhere: the point alone, by solid
+    // angle where sample_solid_angle would, else by area. `table` is there. NULL: the same, by way
+    // of them.
+    void (*aim)(const void *params, const Affine *to_world, const void *table, Vec3 reference,
+                double u0, double u1, ShapeAim *out);
     // The solid-angle pdf with which sample_solid_angle would choose `direction` (unit, world) that
     // hits the shape; 0 where it wouldn't apply.
     double (*solid_angle_pdf)(const void *params, const Affine *to_world, const void *table,

@@ -96,7 +96,12 @@ static bool build_parts(World *world, unsigned threads, DiagSink *sink)
     find_scene_camera_media(world);
     report_issues(world->accel, sink);
     world->lights = light_set_build(world, &world->arena, sink);
-    return world->lights != NULL;
+    if (!world->lights) {
+        return false;
+    }
+    world->light_items = light_set_items(world->lights);
+    world->only_light = light_set_only(world->lights);
+    return true;
 }
 
 World *world_build(const Scene *scene, unsigned threads, DiagSink *sink)

@@ -17,6 +17,8 @@ typedef struct World {
     const Scene *scene;
     Accel *accel;
     LightSet *lights;
+    const Light *light_items; // all of them, by index
+    uint32_t only_light;      // the one that light_choose chooses everywhere, or NONE_ID
     TextureSet *textures;
     const WorldMaterial *materials; // material_count + 1; the last is the default
     uint32_t material_count;

@@ -1,5 +1,7 @@
 #include "render/camera.h"
 
+#include "render/disc.h"
+
 void camera_setup(Camera *camera, const CameraParams *params, const Affine *transform, int width,
                   int height)
 {
@@ -62,24 +64,11 @@ uint32_t scene_find_camera(const Scene *scene, Str name)
     return NONE_ID;
 }
 
-// The unit square onto the unit disc, keeping areas and neighbours: Shirley and Chiu 1997.
-static Vec2 concentric_disc(double u, double v)
-{
-    const double a = 2 * u - 1, b = 2 * v - 1;
-    if (a == 0 && b == 0) {
-        return (Vec2){0, 0};
-    }
-    const bool wide = fabs(a) > fabs(b);
-    const double r = wide ? a : b;
-    const double phi = wide ? PI / 4 * (b / a) : PI / 2 - PI / 4 * (a / b);
-    return (Vec2){r * cos(phi), r * sin(phi)};
-}
-
 // Moves the chief ray's start over the lens; the point in the plane of focus stays where it is.
 static void through_lens(const CameraParams *params, float u, float v, Vec3 *origin,
                          Vec3 *direction)
 {
-    const Vec2 on_lens = concentric_disc((double)u, (double)v);
+    const Vec2 on_lens = sample_disc(u, v);
     const Vec3 shift = vec3(params->aperture * on_lens.x, params->aperture * on_lens.y, 0);
     // direction.z = -1: the plane of focus is focus_distance directions away.
     *direction = sub(scale(*direction, params->focus_distance), shift);

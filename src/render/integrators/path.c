@@ -29,22 +29,17 @@ typedef struct Path {
 } Path;
 
 // The numbers of one surface, drawn together so that their dimensions are fixed.
-typedef struct SurfaceNumbers {
-    double light, light_part;
-    float light_u, light_v, u, v, lobe, roulette;
+typedef union SurfaceNumbers {
+    struct {
+        float light_u, light_v, light, light_part, u, v, lobe, roulette;
+    };
+    float all[DIMENSIONS_PER_SURFACE];
 } SurfaceNumbers;
+enum { LIGHT = 2, LIGHT_PART = 3 }; // dimensions of the choices that may need more than 24 bits
 
-static SurfaceNumbers draw_numbers(Sampler *sampler, uint32_t dimension)
+static inline double finer(const Path *path, float coarse, uint32_t dimension)
 {
-    SurfaceNumbers n;
-    sampler_seek(sampler, dimension);
-    sampler_2d(sampler, &n.light_u, &n.light_v);
-    n.light = sampler_1d_fine(sampler);
-    n.light_part = sampler_1d_fine(sampler);
-    sampler_2d(sampler, &n.u, &n.v);
-    n.lobe = sampler_1d(sampler);
-    n.roulette = sampler_1d(sampler);
-    return n;
+    return (double)coarse + sampler_finer(path->sampler, dimension);
 }
 
 static void add_radiance(Path *path, Rgb radiance, float weight)
@@ -117,42 +112,64 @@ static void add_emitted(Path *path, const Ray *ray, const Hit *hit, Surface *sur
 }
 
 // The part of a light's radiance that arrives along the shadow ray in direction wi of the frame.
-static Rgb light_passed(Path *path, const ShadingPoint *point, Vec3 wi, const Ray *shadow)
+// False: none.
+static bool light_passed(Path *path, const ShadingPoint *point, Vec3 wi, const Ray *shadow,
+                         Rgb *passed)
 {
     const World *world = path->world;
     ++path->stats->shadow_rays;
-    if (world->media) {
-        return surface_light_passed(point, &path->media, wi, shadow);
+    if (!world->media && !(world->all_lobes & LOBE_PASS)) {
+        *passed = rgb_gray(1);
+        return !accel_occluded(world->accel, shadow);
     }
-    return world_visibility(world, shadow);
+    *passed = world->media ? surface_light_passed(point, &path->media, wi, shadow)
+                           : world_visibility(world, shadow);
+    return !rgb_is_black(*passed);
+}
+
+// Chooses a light, and a direction to it; `dimension` is that of the first of the numbers.
+static inline bool choose_direction(const Path *path, const Surface *surface,
+                                    const LightReceiver *receiver, const SurfaceNumbers *n,
+                                    uint32_t dimension, float *chance, LightSample *out)
+{
+    const World *world = path->world;
+    uint32_t index = world->only_light;
+    *chance = 1;
+    if (index == NONE_ID) {
+        const double u = finer(path, n->light, dimension + LIGHT);
+        index = light_choose(world->lights, receiver, u, chance);
+        if (index == NONE_ID) {
+            return false;
+        }
+    }
+    const Light *light = &world->light_items[index];
+    const double part =
+        light->parts ? finer(path, n->light_part, dimension + LIGHT_PART) : (double)n->light_part;
+    return light->class->sample(world, light, surface->p, (double)n->light_u, (double)n->light_v,
+                                part, out) &&
+           !rgb_is_black(out->value) && (world->sampling != SAMPLING_BSDF || out->delta);
 }
 
 // Light sampling: one direction to one light.
-static void add_direct(Path *path, const ShadingPoint *point, const LightReceiver *receiver,
-                       const SurfaceNumbers *n)
+static void add_direct(Path *path, const ShadingPoint *point, const WorldMaterial *material,
+                       const LightReceiver *receiver, const SurfaceNumbers *n, uint32_t dimension)
 {
     const World *world = path->world;
     const Surface *surface = point->surface;
     float chance;
-    uint32_t index = light_choose(world->lights, receiver, n->light, &chance);
-    if (index == NONE_ID) {
-        return;
-    }
-    const Light *light = light_set_get(world->lights, index);
     LightSample s;
-    if (!light->class->sample(world, light, surface->p, (double)n->light_u, (double)n->light_v,
-                              n->light_part, &s) ||
-        rgb_is_black(s.value) || (world->sampling == SAMPLING_BSDF && !s.delta)) {
+    if (!choose_direction(path, surface, receiver, n, dimension, &chance, &s)) {
         return;
     }
     const Vec3 wi = to_local(&point->frame, s.direction);
-    const BsdfEval bsdf = material_eval(point, surface->material, wi);
+    BsdfEval bsdf;
+    material_evaluate(point, material, wi, &bsdf);
     if (rgb_is_black(bsdf.value)) {
         return;
     }
     const Ray shadow = light_sample_ray(surface, &s);
-    const Rgb visible = light_passed(path, point, wi, &shadow);
-    if (rgb_is_black(visible)) {
+    Rgb visible;
+    if (!light_passed(path, point, wi, &shadow, &visible)) {
         return;
     }
     float pdf = s.pdf * chance;
@@ -190,12 +207,12 @@ static bool last_ray_needed(const World *world)
 }
 
 // Chooses the next ray; false where the path ends.
-static bool scatter(Path *path, const ShadingPoint *point, const LightReceiver *receiver,
-                    const SurfaceNumbers *n, Ray *ray)
+static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *material,
+                    const LightReceiver *receiver, const SurfaceNumbers *n, Ray *ray)
 {
     const World *world = path->world;
     BsdfSample s;
-    if (!material_sample(point, point->surface->material, n->lobe, n->u, n->v, &s)) {
+    if (!material_choose(point, material, n->lobe, n->u, n->v, &s)) {
         return false;
     }
     path->throughput = rgb_mul(path->throughput, s.weight);
@@ -302,13 +319,17 @@ static void trace(Path *path, Ray ray, AovSample *aov)
                 continue;
             }
         }
-        const SurfaceNumbers n =
-            draw_numbers(path->sampler, dimension + (uint32_t)i * DIMENSIONS_PER_SURFACE);
-        const LightReceiver receiver = surface_receiver(&point);
-        if (material->lobes & LOBE_SMOOTH) {
-            add_direct(path, &point, &receiver, &n);
+        const uint32_t first = dimension + (uint32_t)i * DIMENSIONS_PER_SURFACE;
+        SurfaceNumbers n;
+        sampler_eight(path->sampler, first, n.all);
+        LightReceiver receiver = {.p = surface.p};
+        if (!(material->lobes & LOBE_TRANSMIT)) {
+            receiver.normal = point.wo_side > 0 ? surface.geometric : neg(surface.geometric);
         }
-        if (!scatter(path, &point, &receiver, &n, &ray)) {
+        if (material->lobes & LOBE_SMOOTH) {
+            add_direct(path, &point, material, &receiver, &n, first);
+        }
+        if (!scatter(path, &point, material, &receiver, &n, &ray)) {
             return;
         }
     }

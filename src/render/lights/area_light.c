@@ -78,6 +78,9 @@ typedef struct AreaData {
     Rgb radiance;      // of an area_light, before the texture
     uint32_t texture;
     bool two_sided;
+    bool is_even;    // emits everywhere the same radiance:
+    Rgb even;        //
+    uint32_t target; // see LightSample
     bool front_only; // flat, and dark behind the plane of `point` and `normal`
     Vec3 point, normal;
 } AreaData;
@@ -114,6 +117,8 @@ static AreaData *prepare_shape(const LightPrepare *prepare)
             return NULL;
         }
     }
+    light->parts = !data->class->flat;
+    data->target = data->class->flat && light->instance == NONE_ID ? light->shape + 1 : 0;
     light->bounds = transform_box(&data->to_world, data->class->node.bounds(scene, data->shape));
     light->data = data;
     return data;
@@ -170,6 +175,8 @@ static bool prepare_area_light(const LightPrepare *prepare)
                    ? data->radiance
                    : rgb_mul(data->radiance, texture_mean(prepare->world->textures, data->texture));
     prepare->light->whole = data->texture != NONE_ID;
+    data->is_even = data->texture == NONE_ID;
+    data->even = data->radiance;
     set_strength(prepare, data, mean, params->two_sided);
     return true;
 }
@@ -185,6 +192,8 @@ static bool prepare_emissive(const LightPrepare *prepare)
     prepare->light->whole = material_needs_whole(world, data->material);
     // Only `emissive` itself is known to be dark behind.
     bool one_sided = world_material(world, data->material)->class == &emissive_material;
+    data->is_even = one_sided && !prepare->light->whole;
+    data->even = material_emitted_mean(world, data->material);
     set_strength(prepare, data, material_emitted_mean(world, data->material), !one_sided);
     return true;
 }
@@ -227,41 +236,67 @@ static Rgb emitted_at(const World *world, const Light *light, const ShapeSample 
     return emitted(world, light, &surface);
 }
 
+// Fills the sample from the point that was chosen; all but its radiance.
+static inline bool take_aim(const AreaData *data, const ShapeAim *aim, Vec3 reference,
+                            double *facing, LightSample *out)
+{
+    const Vec3 to = sub(aim->p, reference);
+    const double r2 = length_squared(to);
+    if (!(r2 > 0) || !(aim->pdf > 0)) {
+        return false;
+    }
+    const double r = sqrt(r2);
+    out->direction = scale(to, 1 / r);
+    *facing = -dot(out->direction, aim->normal);
+    const double cosine = fabs(*facing);
+    if (!(cosine > 0)) {
+        return false;
+    }
+    out->distance = r;
+    out->point = aim->p;
+    out->error = aim->error;
+    out->target = data->target;
+    out->facing = data->class->holding == HOLD_USER ? 0 : cosine;
+    out->pdf = (float)(aim->by_angle ? aim->pdf : aim->pdf * r2 / cosine);
+    out->delta = false;
+    return out->pdf > 0 && out->pdf < INFINITY;
+}
+
 // Sampled by solid angle where the shape can, else by area.
 static bool sample(const World *world, const Light *light, Vec3 reference, double u0, double u1,
                    double u2, LightSample *out)
 {
     const AreaData *data = light->data;
+    const ShapeClass *class = data->class;
     if (data->front_only && dot(sub(reference, data->point), data->normal) <= 0) {
         return false;
     }
+    ShapeAim aim;
+    double facing;
+    if (class->aim && data->is_even) {
+        class->aim(data->shape, &data->to_world, data->table, reference, u0, u1, &aim);
+        if (!take_aim(data, &aim, reference, &facing, out)) {
+            return false;
+        }
+        out->value = facing > 0 || data->two_sided ? data->even : rgb_gray(0);
+        return true;
+    }
     ShapeSample s;
-    bool by_angle = data->class->sample_solid_angle &&
-                    data->class->sample_solid_angle(data->shape, &data->to_world, data->table,
-                                                    reference, u0, u1, &s);
-    if (!by_angle) {
-        data->class->sample_area(world->scene, data->shape, &data->to_world, data->table, u0, u1,
-                                 u2, &s);
+    aim.by_angle =
+        class->sample_solid_angle &&
+        class->sample_solid_angle(data->shape, &data->to_world, data->table, reference, u0, u1, &s);
+    if (!aim.by_angle) {
+        class->sample_area(world->scene, data->shape, &data->to_world, data->table, u0, u1, u2, &s);
     }
-    Vec3 to = sub(s.point.p, reference);
-    double r2 = length_squared(to);
-    if (!(r2 > 0) || !(s.pdf > 0)) {
+    aim.p = s.point.p;
+    aim.normal = s.point.geometric;
+    aim.error = s.point.error;
+    aim.pdf = s.pdf;
+    if (!take_aim(data, &aim, reference, &facing, out)) {
         return false;
     }
-    double r = sqrt(r2);
-    out->direction = scale(to, 1 / r);
-    double facing = -dot(out->direction, s.point.geometric);
-    if (facing == 0) {
-        return false;
-    }
-    out->distance = r;
-    out->point = s.point.p;
-    out->error = s.point.error;
-    out->facing = data->class->holding == HOLD_USER ? 0 : fabs(facing);
     out->value = emitted_at(world, light, &s, facing > 0);
-    out->pdf = (float)(by_angle ? s.pdf : s.pdf * r2 / fabs(facing));
-    out->delta = false;
-    return out->pdf > 0 && isfinite(out->pdf);
+    return true;
 }
 
 static float pdf(const World *world, const Light *light, Vec3 reference, Vec3 direction,

@@ -35,7 +35,7 @@ bool bent_medium(const struct World *world, const void *params, Medium *out);
 LocalTerms bent_local(const ShadingPoint *point, const void *params, Vec3 l);
 
 #define BENT_FUNCTIONS                                                                             \
-    .whole = true, .lobes = bent_lobes, .eval = bent_eval, .sample = bent_sample,                  \
+    .whole = true, .lobes = bent_lobes, .eval = bent_eval_into, .sample = bent_sample,             \
     .deltas = bent_deltas, .albedo = bent_albedo, .emitted = bent_emitted,                         \
     .emitted_mean = bent_emitted_mean, .pass = bent_pass, .medium = bent_medium,                   \
     .local = bent_local

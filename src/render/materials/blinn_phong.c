@@ -46,6 +46,8 @@ static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
     return phong_local(&LOBE, point, params, l);
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass blinn_phong_material = {
     .node = {.name = "blinn_phong",
              .category = CATEGORY_MATERIAL,
@@ -83,7 +85,7 @@ const MaterialClass blinn_phong_material = {
                         "}",
              .finish = phong_finish},
     .lobes = phong_lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .albedo = phong_albedo,
     .local = local,

@@ -93,6 +93,8 @@ static bool finish(NodeFinish *finish)
     return true;
 }
 
+MATERIAL_EVAL(bent_eval)
+
 const MaterialClass bump_map_material = {
     .node =
         {.name = "bump_map",

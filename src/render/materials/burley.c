@@ -73,6 +73,8 @@ static Rgb albedo(const ShadingPoint *point, const void *params)
     return reflectance_tex(point->world->textures, &burley->color, point->surface);
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass burley_material = {
     .node = {.name = "burley",
              .category = CATEGORY_MATERIAL,
@@ -100,7 +102,7 @@ const MaterialClass burley_material = {
                         "  }\n"
                         "}"},
     .lobes = lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .albedo = albedo,
     .caveat =

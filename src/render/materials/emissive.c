@@ -109,6 +109,8 @@ static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
     return emissive->base == NONE_ID ? (LocalTerms){0} : material_local(point, emissive->base, l);
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass emissive_material = {
     .node = {.name = "emissive",
              .category = CATEGORY_MATERIAL,
@@ -130,7 +132,7 @@ const MaterialClass emissive_material = {
                         "}",
              .finish = finish},
     .lobes = lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .deltas = deltas,
     .albedo = albedo,

@@ -126,6 +126,8 @@ static bool medium(const World *world, const void *params, Medium *out)
     return true;
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass fresnel_material = {
     .node =
         {.name = "fresnel",
@@ -167,7 +169,7 @@ const MaterialClass fresnel_material = {
                     "  }\n"
                     "}"},
     .lobes = lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .deltas = deltas,
     .albedo = albedo,

@@ -390,6 +390,8 @@ static Rgb albedo(const ShadingPoint *point, const void *params)
     return fresnel_at(&gloss, fabs(point->wo.z));
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass ggx_material = {
     .node =
         {.name = "ggx",
@@ -428,7 +430,7 @@ const MaterialClass ggx_material = {
                     "}",
          .finish = finish},
     .lobes = lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .deltas = deltas,
     .albedo = albedo,

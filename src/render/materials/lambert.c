@@ -58,6 +58,8 @@ static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
     return (LocalTerms){.diffuse = rgb_scale(albedo(point, params), (float)cos_l)};
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass lambert_material = {
     .node = {.name = "lambert",
              .category = CATEGORY_MATERIAL,
@@ -83,7 +85,7 @@ const MaterialClass lambert_material = {
                         "  }\n"
                         "}"},
     .lobes = lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .albedo = albedo,
     .local = local,

@@ -323,6 +323,8 @@ static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
     return terms;
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass layered_material = {
     .node = {.name = "layered",
              .category = CATEGORY_MATERIAL,
@@ -361,7 +363,7 @@ const MaterialClass layered_material = {
                         "}",
              .finish = finish},
     .lobes = lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .deltas = deltas,
     .albedo = albedo,

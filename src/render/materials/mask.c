@@ -122,6 +122,8 @@ static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
                         rgb_scale(t.specular, opacity)};
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass mask_material = {
     .node = {.name = "mask",
              .category = CATEGORY_MATERIAL,
@@ -150,7 +152,7 @@ const MaterialClass mask_material = {
                         "  }\n"
                         "}"},
     .lobes = lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .deltas = deltas,
     .albedo = albedo,

@@ -96,6 +96,8 @@ static Rgb albedo(const ShadingPoint *point, const void *params)
     return reflectance(point, params, 1);
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass mirror_material = {
     .node = {.name = "mirror",
              .category = CATEGORY_MATERIAL,
@@ -127,7 +129,7 @@ const MaterialClass mirror_material = {
                  "}",
              .finish = finish},
     .lobes = lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .deltas = deltas,
     .albedo = albedo,

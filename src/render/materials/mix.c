@@ -150,6 +150,8 @@ static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
                         blend(a.specular, b.specular, w)};
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass mix_material = {
     .node = {.name = "mix",
              .category = CATEGORY_MATERIAL,
@@ -180,7 +182,7 @@ const MaterialClass mix_material = {
                         "  }\n"
                         "}"},
     .lobes = lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .deltas = deltas,
     .albedo = albedo,

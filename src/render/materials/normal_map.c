@@ -78,6 +78,8 @@ static bool finish(NodeFinish *finish)
     return true;
 }
 
+MATERIAL_EVAL(bent_eval)
+
 const MaterialClass normal_map_material = {
     .node = {.name = "normal_map",
              .category = CATEGORY_MATERIAL,

@@ -43,6 +43,8 @@ static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
     return phong_local(&LOBE, point, params, l);
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass phong_material = {
     .node = {.name = "phong",
              .category = CATEGORY_MATERIAL,
@@ -76,7 +78,7 @@ const MaterialClass phong_material = {
                         "}",
              .finish = phong_finish},
     .lobes = phong_lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .albedo = phong_albedo,
     .local = local,

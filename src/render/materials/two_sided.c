@@ -109,6 +109,8 @@ static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
     return material_local(point, seen(point, params), l);
 }
 
+MATERIAL_EVAL(eval)
+
 const MaterialClass two_sided_material = {
     .node = {.name = "two_sided",
              .category = CATEGORY_MATERIAL,
@@ -136,7 +138,7 @@ const MaterialClass two_sided_material = {
                         "material: paper }",
              .finish = finish},
     .lobes = lobes,
-    .eval = eval,
+    .eval = eval_into,
     .sample = sample,
     .deltas = deltas,
     .albedo = albedo,

@@ -94,8 +94,15 @@ typedef struct RectangleTable {
     Vec3 x, y, normal; // unit, along the edges and across
     double lu, lv;     // lengths of the edges
     double area;
+    Vec3 center;
+    double far_squared; // from so far away, squared, it is sampled by area
     bool perpendicular;
 } RectangleTable;
+
+// By how many times the sum of its edges. Seen from there, solid angles in parts of areas differ by
+// a factor of two between its ends at most, which the sampler's even points take care of; finding
+// them costs more than it saves.
+#define FAR 1.25
 
 static RectangleTable rectangle_table(const Rectangle *r, const Affine *to_world)
 {
@@ -113,6 +120,8 @@ static RectangleTable rectangle_table(const Rectangle *r, const Affine *to_world
     out.y = scale(v, 1 / out.lv);
     out.normal = cross(out.x, out.y);
     out.area = length(cross(u, v));
+    out.center = add_scaled(add_scaled(out.corner.p, u, 0.5), v, 0.5);
+    out.far_squared = FAR * FAR * (out.lu + out.lv) * (out.lu + out.lv);
     out.perpendicular = fabs(dot(u, v)) <= 1e-9 * out.lu * out.lv;
     // Points are made from the corner in the world, which rounds once more.
     out.corner.error = error + rounding_error(max_abs(out.corner.p) + out.lu + out.lv);
@@ -185,11 +194,14 @@ static double solid_angle_of(Turn turn, const SphericalRectangle *q)
     return before && -q->z0 < q->x1 - q->x0 + q->y1 - q->y0 ? angle + 2 * PI : 0;
 }
 
-// False where the edges aren't perpendicular, the reference lies in the plane, or the solid angle
-// is too small for its sum of angles.
+// False where the edges aren't perpendicular, the reference lies far away or in the plane, or the
+// solid angle is too small for its sum of angles.
 static bool spherical_rectangle(const RectangleTable *table, Vec3 reference,
                                 SphericalRectangle *out)
 {
+    if (length_squared(sub(table->center, reference)) > table->far_squared) {
+        return false;
+    }
     const Vec3 from = sub(table->corner.p, reference);
     const double z0 = -fabs(dot(from, table->normal));
     const double x0 = dot(from, table->x), x1 = x0 + table->lu;
@@ -220,6 +232,25 @@ static bool spherical_rectangle(const RectangleTable *table, Vec3 reference,
     return out->solid_angle > FLAT_LEAST_SOLID_ANGLE;
 }
 
+// The place on the rectangle, in units of its edges, that two numbers choose evenly by solid angle.
+static Vec2 spherical_place(const RectangleTable *t, const SphericalRectangle *q, double u0,
+                            double u1)
+{
+    const double angle = u0 * q->solid_angle;
+    const Turn at = turn_add((Turn){q->cos_k, q->sin_k}, (Turn){cos(angle), sin(angle)});
+    // The paper's f is `over` / at.sine, and x = -cu z0 / sqrt(1 - cu²), cu = ±1 / sqrt(f² + b0²).
+    const double over = at.cosine * q->b0 - q->b1;
+    const double under = larger(over * over - q->rest0 * at.sine * at.sine, 1e-300);
+    double x = -q->z0 * copysign(at.sine, over * at.sine) / sqrt(under);
+    x = smaller(larger(x, q->x0), q->x1);
+    double d2 = x * x + q->z0 * q->z0;
+    double h0 = q->y0 / sqrt(d2 + q->y0 * q->y0), h1 = q->y1 / sqrt(d2 + q->y1 * q->y1);
+    double h = h0 + u1 * (h1 - h0);
+    double y = h * h < 1 - 1e-15 ? h * sqrt(d2 / (1 - h * h)) : q->y1;
+    y = smaller(larger(y, q->y0), q->y1);
+    return (Vec2){(x - q->x0) / t->lu, (y - q->y0) / t->lv};
+}
+
 static bool rectangle_sample_solid_angle(const void *params, const Affine *to_world,
                                          const void *table, Vec3 reference, double u0, double u1,
                                          ShapeSample *out)
@@ -229,26 +260,34 @@ static bool rectangle_sample_solid_angle(const void *params, const Affine *to_wo
         own = rectangle_table(params, to_world);
         table = &own;
     }
-    const RectangleTable *t = table;
     SphericalRectangle q;
-    if (!spherical_rectangle(t, reference, &q)) {
+    if (!spherical_rectangle(table, reference, &q)) {
         return false;
     }
-    const double angle = u0 * q.solid_angle;
-    const Turn at = turn_add((Turn){q.cos_k, q.sin_k}, (Turn){cos(angle), sin(angle)});
-    // The paper's f is `over` / at.sine, and x = -cu z0 / sqrt(1 - cu²), cu = ±1 / sqrt(f² + b0²).
-    const double over = at.cosine * q.b0 - q.b1;
-    const double under = larger(over * over - q.rest0 * at.sine * at.sine, 1e-300);
-    double x = -q.z0 * copysign(at.sine, over * at.sine) / sqrt(under);
-    x = smaller(larger(x, q.x0), q.x1);
-    double d2 = x * x + q.z0 * q.z0;
-    double h0 = q.y0 / sqrt(d2 + q.y0 * q.y0), h1 = q.y1 / sqrt(d2 + q.y1 * q.y1);
-    double h = h0 + u1 * (h1 - h0);
-    double y = h * h < 1 - 1e-15 ? h * sqrt(d2 / (1 - h * h)) : q.y1;
-    y = smaller(larger(y, q.y0), q.y1);
-    table_point(t, (x - q.x0) / t->lu, (y - q.y0) / t->lv, out);
+    const Vec2 place = spherical_place(table, &q, u0, u1);
+    table_point(table, place.x, place.y, out);
     out->pdf = 1 / q.solid_angle;
     return true;
+}
+
+static void rectangle_aim(const void *params, const Affine *to_world, const void *table,
+                          Vec3 reference, double u0, double u1, ShapeAim *out)
+{
+    (void)params;
+    (void)to_world;
+    const RectangleTable *t = table;
+    SphericalRectangle q;
+    out->by_angle = spherical_rectangle(t, reference, &q);
+    out->pdf = 1 / t->area;
+    if (out->by_angle) {
+        const Vec2 place = spherical_place(t, &q, u0, u1);
+        out->pdf = 1 / q.solid_angle;
+        u0 = place.x;
+        u1 = place.y;
+    }
+    out->p = add(t->corner.p, add(scale(t->corner.tangent, u0), scale(t->corner.bitangent, u1)));
+    out->normal = t->corner.geometric;
+    out->error = t->corner.error;
 }
 
 static double rectangle_solid_angle_pdf(const void *params, const Affine *to_world,
@@ -298,6 +337,7 @@ const ShapeClass rectangle_shape = {
     .area = rectangle_area,
     .sample_area = rectangle_sample_area,
     .sample_solid_angle = rectangle_sample_solid_angle,
+    .aim = rectangle_aim,
     .solid_angle_pdf = rectangle_solid_angle_pdf,
     .prepare_sampling = rectangle_prepare_sampling,
 };

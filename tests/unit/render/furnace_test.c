@@ -247,10 +247,12 @@ static bool liar_sample(const ShadingPoint *point, const void *params, float lob
     return e.pdf > 0;
 }
 
+MATERIAL_EVAL(liar_eval)
+
 static const MaterialClass liar_material = {
     .node = {.name = "liar", .category = CATEGORY_MATERIAL, .size = sizeof(Liar)},
     .lobes = liar_lobes,
-    .eval = liar_eval,
+    .eval = liar_eval_into,
     .sample = liar_sample,
 };
 

@@ -1,6 +1,7 @@
 // The sampler: the tables against their definition, stratification of every pixel's sequence,
 // uniformity and independence across pixels and sets, and the rate at which integrals converge.
 #include "base/hash.h"
+#include "render/disc.h"
 #include "render/sampler.h"
 #include "render/sobol_tables.h"
 
@@ -361,6 +362,46 @@ static void dimensions_are_handed_out_in_order(void **state)
     assert_true((double)sampler_1d(&s) == set1[0]);
 }
 
+// Eight at once are those of eight calls, and sampler_1d_fine's further bits can be had later.
+static void eight_at_once_are_the_same(void **state)
+{
+    (void)state;
+    for (uint32_t first = 0; first < 64; first += 4) {
+        Sampler one, many, fine;
+        float eight[8];
+        sampler_start(&one, 1, 2, 3, first);
+        many = fine = one;
+        sampler_seek(&one, first);
+        sampler_seek(&fine, first);
+        sampler_eight(&many, first, eight);
+        for (uint32_t d = 0; d < 8; ++d) {
+            assert_true(sampler_1d(&one) == eight[d]);
+            assert_true(sampler_1d_fine(&fine) ==
+                        (double)eight[d] + sampler_finer(&many, first + d));
+        }
+        assert_true(sampler_1d(&many) == sampler_1d(&one));
+    }
+}
+
+// sample_disc against the sines and cosines that its series stand for (Shirley and Chiu 1997).
+static void disc_follows_its_formula(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 100000; ++i) {
+        const float u = (float)(hash_u32(2 * i) >> 8) * 0x1p-24F;
+        const float v = i % 10 ? (float)(hash_u32(2 * i + 1) >> 8) * 0x1p-24F : 1 - u;
+        const double a = 2 * (double)u - 1, b = 2 * (double)v - 1;
+        const double r = fabs(a) > fabs(b) ? a : b;
+        const double phi = fabs(a) > fabs(b) ? PI / 4 * b / a : PI / 2 - PI / 4 * a / b;
+        const Vec2 p = sample_disc(u, v);
+        assert_true(fabs(p.x - r * cos(phi)) < 1e-7 && fabs(p.y - r * sin(phi)) < 1e-7);
+        const Vec3 d = sample_cosine_hemisphere(u, v);
+        assert_true(fabs(length(d) - 1) < 1e-7 && d.z >= 0);
+    }
+    const Vec2 middle = sample_disc(0.5F, 0.5F);
+    assert_true(middle.x == 0 && middle.y == 0);
+}
+
 static void sampling_is_pinned(void **state)
 {
     (void)state;
@@ -387,6 +428,8 @@ int main(void)
         cmocka_unit_test(smooth_integrals_converge_fast),
         cmocka_unit_test(discrepancy_is_far_below_randoms),
         cmocka_unit_test(dimensions_are_handed_out_in_order),
+        cmocka_unit_test(eight_at_once_are_the_same),
+        cmocka_unit_test(disc_follows_its_formula),
         cmocka_unit_test(sampling_is_pinned),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
