@@ -99,7 +99,7 @@ typedef struct Rendering {
     RenderStats stats;
 } Rendering;
 
-// Nobody should render for an hour to learn that OpenImageIO is missing.
+// Nobody should render for an hour to learn that the library that writes the picture is missing.
 static void check_writer(Rendering *rendering, const RenderProgress *progress)
 {
     if (rendering->writer_checked || !rendering->picture.path ||
@@ -107,7 +107,7 @@ static void check_writer(Rendering *rendering, const RenderProgress *progress)
         return;
     }
     rendering->writer_checked = true;
-    if (!image_available(rendering->failure, sizeof rendering->failure)) {
+    if (!image_available(rendering->picture.path, rendering->failure, sizeof rendering->failure)) {
         atomic_store(&rendering->interrupt.signal, STOP_FAILED);
     }
 }
@@ -357,7 +357,8 @@ static int run(Rendering *rendering)
     rendering->refresh_at = rendering->checkpoint_at = INFINITY;
     if (rendering->picture.path) {
         rendering->refresh_at = rendering->stats.render_seconds + FIRST_REFRESH_SECONDS;
-        image_preload(); // not earlier: Embree's own loading would have to wait for it
+        image_preload(
+            rendering->picture.path); // not earlier: Embree's own loading would have to wait for it
     }
     if (options->checkpoint) {
         rendering->checkpoint_at = rendering->stats.render_seconds + options->checkpoint_interval;

@@ -5,6 +5,7 @@
 #include "base/thread.h"
 #include "image/oiio_module.h"
 #include "image/peek.h"
+#include "image/png_module.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -112,37 +113,67 @@ static const char *read_format(const char *name, const unsigned char *bytes, siz
     return strcasecmp(extension_of(name), "tga") == 0 ? "targa" : NULL;
 }
 
-// --- The module ----------------------------------------------------------------------------------
+// --- The modules ---------------------------------------------------------------------------------
 
-static const char MODULE[] = "scn_oiio";
-
-static const OiioFunctions *functions(char *message, size_t message_size)
+static const void *module_functions(const char *name, const char *library, const char *symbol,
+                                    char *message, size_t message_size)
 {
     char why[512];
-    void *module = module_open(MODULE, why, sizeof why);
+    void *module = module_open(name, why, sizeof why);
     if (!module) {
-        snprintf(message, message_size, "OpenImageIO can't be loaded: %.400s", why);
+        snprintf(message, message_size, "%s can't be loaded: %.400s", library, why);
         return NULL;
     }
-    const OiioFunctions *table = module_symbol(module, "scn_oiio_functions");
-    if (!table || table->version != OIIO_MODULE_VERSION) {
+    const void *table = module_symbol(module, symbol);
+    uint32_t version = 0; // a table begins with it
+    if (table) {
+        memcpy(&version, table, sizeof version);
+    }
+    uint32_t wanted = strcmp(name, "scn_png") == 0 ? PNG_MODULE_VERSION : OIIO_MODULE_VERSION;
+    if (version != wanted) {
         snprintf(message, message_size, "the module %s belongs to another version of scnrender",
-                 MODULE);
+                 name);
         return NULL;
     }
     return table;
 }
 
+static const OiioFunctions *oiio_functions(char *message, size_t message_size)
+{
+    return module_functions("scn_oiio", "OpenImageIO", "scn_oiio_functions", message, message_size);
+}
+
+static const PngFunctions *png_functions(char *message, size_t message_size)
+{
+    return module_functions("scn_png", "libpng", "scn_png_functions", message, message_size);
+}
+
+static bool is_png(const char *format)
+{
+    return strcmp(format, "png") == 0;
+}
+
+bool image_available(const char *name, char *message, size_t message_size)
+{
+    const WriteType *type = write_type(name);
+    return type && is_png(type->format) ? png_functions(message, message_size) != NULL
+                                        : oiio_functions(message, message_size) != NULL;
+}
+
 static void *preload_main(void *nothing)
 {
     char message[512];
-    functions(message, sizeof message); // a failure is told by whoever needs the module
+    oiio_functions(message, sizeof message); // a failure is told by whoever needs the module
     return nothing;
 }
 
-void image_preload(void)
+void image_preload(const char *name)
 {
+    const WriteType *type = write_type(name);
     pthread_t thread;
+    if (type && is_png(type->format)) {
+        return; // there is nothing to wait for
+    }
     if (thread_start(&thread, NULL, preload_main, NULL)) {
         pthread_detach(thread);
     }
@@ -170,9 +201,36 @@ static bool size_is_allowed(const char *format, const void *bytes, size_t size, 
     return true;
 }
 
-bool image_available(char *message, size_t message_size)
+static bool read_png(const void *bytes, size_t size, ImageLimits limits, Image *out, char *message,
+                     size_t message_size)
 {
-    return functions(message, message_size) != NULL;
+    const PngFunctions *png = png_functions(message, message_size);
+    PngRead read = {.bytes = bytes,
+                    .size = size,
+                    .max_pixels = limits.max_pixels,
+                    .memory = {mem_alloc_zeroed, mem_free}};
+    if (!png || !png->read(&read, message, message_size)) {
+        return false;
+    }
+    *out = (Image){read.width, read.height, read.channels, read.pixels, read.srgb_encoded};
+    return true;
+}
+
+static bool read_any(const char *format, const void *bytes, size_t size, ImageLimits limits,
+                     Image *out, char *message, size_t message_size)
+{
+    const OiioFunctions *oiio = oiio_functions(message, message_size);
+    OiioRead read = {.format = format,
+                     .bytes = bytes,
+                     .size = size,
+                     .max_pixels = limits.max_pixels,
+                     .allocate = mem_alloc_zeroed,
+                     .release = mem_free};
+    if (!oiio || !oiio->read(&read, message, message_size)) {
+        return false;
+    }
+    *out = (Image){read.width, read.height, read.channels, read.pixels, read.srgb_encoded};
+    return true;
 }
 
 bool image_read(const char *name, const void *bytes, size_t size, ImageLimits limits, Image *out,
@@ -187,21 +245,8 @@ bool image_read(const char *name, const void *bytes, size_t size, ImageLimits li
     if (!size_is_allowed(format, bytes, size, limits, message, message_size)) {
         return false;
     }
-    const OiioFunctions *oiio = functions(message, message_size);
-    if (!oiio) {
-        return false;
-    }
-    OiioRead read = {.format = format,
-                     .bytes = bytes,
-                     .size = size,
-                     .max_pixels = limits.max_pixels,
-                     .allocate = mem_alloc_zeroed,
-                     .release = mem_free};
-    if (!oiio->read(&read, message, message_size)) {
-        return false;
-    }
-    *out = (Image){read.width, read.height, read.channels, read.pixels, read.srgb_encoded};
-    return true;
+    return is_png(format) ? read_png(bytes, size, limits, out, message, message_size)
+                          : read_any(format, bytes, size, limits, out, message, message_size);
 }
 
 void image_free(Image *image)
@@ -222,6 +267,42 @@ static OiioSample sample_type(const WriteType *type, int bits)
     }
 }
 
+static int used_channels(const WriteType *type, const ImageLayer *layer)
+{
+    return layer->channels == 4 && !type->alpha ? 3 : layer->channels;
+}
+
+static bool write_png(const char *path, const WriteType *type, const ImageFile *file, char *message,
+                      size_t message_size)
+{
+    const PngFunctions *png = png_functions(message, message_size);
+    if (!png) {
+        return false;
+    }
+    PngText *texts = mem_alloc((size_t)file->attribute_count, sizeof *texts);
+    if (!texts) {
+        snprintf(message, message_size, "not enough memory");
+        return false;
+    }
+    for (int i = 0; i < file->attribute_count; ++i) {
+        texts[i] = (PngText){file->attributes[i].name, file->attributes[i].text};
+    }
+    const ImageLayer *layer = &file->layers[0];
+    PngWrite write = {.path = path,
+                      .width = file->width,
+                      .height = file->height,
+                      .bits = file->bits ? file->bits : type->bits,
+                      .channels = layer->channels,
+                      .used = used_channels(type, layer),
+                      .pixels = layer->pixels,
+                      .texts = texts,
+                      .text_count = file->attribute_count,
+                      .memory = {mem_alloc_zeroed, mem_free}};
+    bool written = png->write(&write, message, message_size);
+    mem_free(texts);
+    return written;
+}
+
 static bool write_layers(const OiioFunctions *oiio, const char *path, const char *format_of,
                          const WriteType *type, const ImageFile *file, OiioLayer *layers,
                          OiioText *texts, char *message, size_t message_size)
@@ -229,8 +310,7 @@ static bool write_layers(const OiioFunctions *oiio, const char *path, const char
     int count = type->layers ? file->layer_count : 1;
     for (int i = 0; i < count; ++i) {
         const ImageLayer *layer = &file->layers[i];
-        int used = layer->channels == 4 && !type->alpha ? 3 : layer->channels;
-        layers[i] = (OiioLayer){layer->name,     layer->channels, used,
+        layers[i] = (OiioLayer){layer->name,     layer->channels, used_channels(type, layer),
                                 layer->suffixes, layer->pixels,   layer->ids};
     }
     for (int i = 0; i < file->attribute_count; ++i) {
@@ -250,15 +330,10 @@ static bool write_layers(const OiioFunctions *oiio, const char *path, const char
     return oiio->write(&write, message, message_size);
 }
 
-bool image_write(const char *path, const char *format_of, const ImageFile *file, char *message,
-                 size_t message_size)
+static bool write_any(const char *path, const char *format_of, const WriteType *type,
+                      const ImageFile *file, char *message, size_t message_size)
 {
-    const WriteType *type = write_type(format_of);
-    if (!type || !image_has_bits(format_of, file->bits)) {
-        snprintf(message, message_size, "images can be written as %s", image_extensions());
-        return false;
-    }
-    const OiioFunctions *oiio = functions(message, message_size);
+    const OiioFunctions *oiio = oiio_functions(message, message_size);
     if (!oiio) {
         return false;
     }
@@ -274,4 +349,16 @@ bool image_write(const char *path, const char *format_of, const ImageFile *file,
     mem_free(layers);
     mem_free(texts);
     return written;
+}
+
+bool image_write(const char *path, const char *format_of, const ImageFile *file, char *message,
+                 size_t message_size)
+{
+    const WriteType *type = write_type(format_of);
+    if (!type || !image_has_bits(format_of, file->bits)) {
+        snprintf(message, message_size, "images can be written as %s", image_extensions());
+        return false;
+    }
+    return is_png(type->format) ? write_png(path, type, file, message, message_size)
+                                : write_any(path, format_of, type, file, message, message_size);
 }

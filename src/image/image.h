@@ -1,5 +1,6 @@
-// Images: read and written through OpenImageIO, which is loaded (a third of a second, 130 MB) only
-// on first use, as a module; oiio.cpp is the project's only C++ file, and no exception leaves it.
+// Images: PNG is read and written through libpng, all else through OpenImageIO. Both are loaded as
+// modules on first use, libpng in a millisecond, OpenImageIO in a third of a second (and 130 MB);
+// oiio.cpp is the project's only C++ file, and no exception leaves it.
 #ifndef IMAGE_IMAGE_H
 #define IMAGE_IMAGE_H
 
@@ -20,10 +21,11 @@ typedef struct ImageLimits {
     int64_t max_pixels; // of one image; larger ones are refused before memory is taken
 } ImageLimits;
 
-// Starts loading the module in a thread of its own, so that nobody waits for it later. Optional.
-void image_preload(void);
-// Waits until the module is loaded. False with a message if it can't be.
-bool image_available(char *message, size_t message_size);
+// Starts loading what pictures of that file name's type want (any other name: all that may be
+// wanted), in a thread of its own, so that nobody waits for it later. Optional.
+void image_preload(const char *name);
+// Waits until that is loaded. False with a message if it can't be.
+bool image_available(const char *name, char *message, size_t message_size);
 
 // Decodes an image held in memory; `name` gives the type where the bytes don't, and stands in
 // messages. Reads EXR, PNG, JPEG, TIFF, HDR, WebP, GIF (the first frame), BMP, Targa and PNM/PFM;
@@ -63,7 +65,7 @@ typedef struct ImageFile {
 bool image_write(const char *path, const char *format_of, const ImageFile *file, char *message,
                  size_t message_size);
 
-// These don't load the module.
+// These load nothing.
 // True when pictures of that file name's type can be written.
 bool image_can_write(const char *name);
 // True when the type can have so many bits a channel (0: its own).

@@ -413,7 +413,7 @@ static void refine(Worker *w)
     }
     w->picture_seconds = session_now() - began;
     if (!w->preloaded) {
-        image_preload(); // for textures to come, and for saving pictures
+        image_preload(""); // for textures to come, and for saving pictures
         w->preloaded = true;
     }
 }

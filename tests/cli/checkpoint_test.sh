@@ -2,7 +2,8 @@
 # Renders killed and taken up again have the bytes of one that was left alone. KILLS: how many at
 # least; SEED: of the moments (both for tools/nightly).
 kills=${KILLS:-20}
-[ -z "${SANITIZE:-}" ] || kills=4
+longest=900 # milliseconds before a kill
+[ -z "${SANITIZE:-}" ] || { kills=4 && longest=5000; }
 seed=${SEED:-1}
 echo "kills $kills, seed $seed"
 cat >scene.scn <<'END'
@@ -27,14 +28,14 @@ expect_code 0
 
 # milliseconds N: a random delay, the same for the same seed and number.
 milliseconds() {
-    awk -v s="$seed" -v n="$1" 'BEGIN { srand(s * 10007 + n); for (i = 0; i < 5; ++i) rand(); print int(10 + 900 * rand()) }'
+    awk -v s="$seed" -v n="$1" -v longest="$longest" 'BEGIN { srand(s * 10007 + n); for (i = 0; i < 5; ++i) rand(); print int(10 + longest * rand()) }'
 }
 # kill_often SCENE WHOLE KILLS
 kill_often() {
     scene=$1 whole=$2 wanted=$3 killed=0 finished=0 resumed=0 tries=0
     last="killing $scene"
     rm -f c killed.exr
-    while [ $killed -lt "$wanted" ] && [ $tries -lt $((20 * wanted)) ]; do
+    while { [ $killed -lt "$wanted" ] || [ $resumed -eq 0 ]; } && [ $tries -lt $((20 * wanted + 20)) ]; do
         tries=$((tries + 1))
         [ ! -e c ] || resumed=$((resumed + 1))
         result=$("$STOP_CHECK" 9 "$(milliseconds $tries)" "$SCNRENDER" "$scene" -o killed.exr $keeping --threads $((tries % 3 + 1)) 2>err)

@@ -57,7 +57,7 @@ fi
 expect_no_leftovers
 
 # A library, whose names nothing uses; failures alone, quietly.
-run furnace -q "$SOURCE_DIR/examples/lib/metals.scn" --samples 500
+run furnace -q "$SOURCE_DIR/std/metals.scn" --samples 500
 expect_code 0
 expect_empty out
 expect_empty err

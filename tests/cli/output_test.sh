@@ -81,15 +81,26 @@ expect_code 3
 expect_text err "File too large"
 cmp -s kept.png before.png || fail "the old picture was spoilt"
 expect_no_leftovers
-# OpenImageIO is missing.
+# What writes the picture is missing. PNG doesn't need OpenImageIO.
 SCNRENDER_MODULES=/nonexistent
 export SCNRENDER_MODULES
 cp "$SCNRENDER" ./alone
+for missing in "exr:OpenImageIO" "png:libpng"; do
+    ./alone ball.scn -o "alone.${missing%:*}" >out 2>err
+    code=$?
+    last="without ${missing#*:}"
+    expect_code 3
+    expect_text err "${missing#*:} can't be loaded"
+    [ ! -e "alone.${missing%:*}" ] || fail "a picture without ${missing#*:}"
+    expect_no_leftovers
+done
+mkdir png_alone
+modules=$(dirname "$SCNRENDER")/../lib/scnrender
+[ -e "$modules/scn_png.so" ] && cp "$modules/scn_png.so" png_alone
+SCNRENDER_MODULES=$work/png_alone
 ./alone ball.scn -o alone.png >out 2>err
 code=$?
-last="without the module"
-expect_code 3
-expect_text err "OpenImageIO can't be loaded"
-[ ! -e alone.png ] || fail "a picture without OpenImageIO"
-expect_no_leftovers
+last="with libpng alone"
+expect_code 0
+[ "$(png_size alone.png)" = 32x20 ] || fail "alone.png is $(png_size alone.png)"
 finish

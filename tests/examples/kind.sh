@@ -9,8 +9,7 @@ trap 'rm -rf "$work"' EXIT
 cd "$SOURCE_DIR/examples"
 "$scnrender" explain --example "$name" >"$work/$name.scn"
 "$scnrender" fmt --check "$work/$name.scn" || { echo "the example isn't laid out as fmt does" >&2; exit 1; }
-size=$("$compare" --quarter "$picture")
-"$scnrender" - -o "$work/small.png" --size "$size" --samples 48 <"$work/$name.scn" 2>"$work/log" ||
+"$scnrender" - -o "$work/small.png" --size 120x75 --samples 24 <"$work/$name.scn" 2>"$work/log" ||
     { cat "$work/log" >&2; exit 1; }
 if grep -E '^(error|warning|note)' "$work/log"; then
     echo "an example must not give diagnostics" >&2

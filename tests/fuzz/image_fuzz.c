@@ -32,7 +32,7 @@ static void check_peeks(const uint8_t *bytes, size_t size)
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     char message[512] = "";
-    fuzz_require(image_available(message, sizeof message), message);
+    fuzz_require(image_available("", message, sizeof message), message);
     if (size == 0) {
         return 0;
     }

@@ -103,7 +103,7 @@ static void closed_rooms(void)
                 {"falloff", {falloff}});
         }
         check_mean(&table, NAMES[kind], flux / 96,
-                   estimate(build(&lab, 1), wall_meter, NULL, 1 << 14, (uint32_t)kind), 4e-3);
+                   estimate(build(&lab, 1), wall_meter, NULL, 1 << 14, (uint32_t)kind), 1e-3);
         close_lab(&lab);
     }
 }
@@ -130,7 +130,7 @@ static void suns(void)
         if (i == 2) {
             lab.world->sampling = SAMPLING_BSDF;
             check_mean(&table, "9 directional, angle 0.5, bsdf", expected,
-                       estimate(lab.world, meter, &at, 1 << 16, 7), 4e-3);
+                       estimate(lab.world, meter, &at, 1 << 18, 7), 1.5e-3);
         }
         close_lab(&lab);
     }
@@ -177,7 +177,7 @@ static void crowds(void)
             expected += PI + 3;
         }
         check_mean(&table, far ? "2000 lamps, suns and sky" : "2000 lamps", expected,
-                   estimate(build(&lab, 1), meter, &at, 1 << 13, 8), 1e-2);
+                   estimate(build(&lab, 1), meter, &at, 1 << 16, 8), 1e-3);
         close_lab(&lab);
     }
 }

@@ -1,4 +1,4 @@
-// Images through OpenImageIO: round trips, exact values, and files that lie.
+// Images through libpng and OpenImageIO: round trips, exact values, and files that lie.
 #include "image/image.h"
 
 #include "base/io.h"
@@ -15,13 +15,6 @@
 #include <unistd.h>
 
 #include <cmocka.h>
-
-// OpenImageIO 2.4 leaks a string for each damaged PNG: libpng's longjmp leaps over its destructor.
-const char *__lsan_default_suppressions(void);
-const char *__lsan_default_suppressions(void)
-{
-    return "leak:basic_string*_M_assign\n";
-}
 
 enum { WIDTH = 37, HEIGHT = 23, PIXELS = WIDTH * HEIGHT };
 
@@ -190,6 +183,159 @@ static void test_exact_png_values(void **state)
         assert_true(image.pixels[3 * 255] == 1.0f);
         image_free(&image);
     }
+}
+
+// --- PNG files made by hand ----------------------------------------------------------------------
+
+typedef struct PngMaker {
+    unsigned char bytes[1024];
+    size_t count;
+} PngMaker;
+
+static void add_bytes(PngMaker *png, const void *bytes, size_t count)
+{
+    assert_true(png->count + count <= sizeof png->bytes);
+    memcpy(png->bytes + png->count, bytes, count);
+    png->count += count;
+}
+
+static void add_word(PngMaker *png, uint32_t word)
+{
+    unsigned char bytes[4] = {(unsigned char)(word >> 24), (unsigned char)(word >> 16),
+                              (unsigned char)(word >> 8), (unsigned char)word};
+    add_bytes(png, bytes, 4);
+}
+
+static void add_chunk(PngMaker *png, const char *type, const void *bytes, size_t count)
+{
+    add_word(png, (uint32_t)count);
+    size_t begin = png->count;
+    add_bytes(png, type, 4);
+    add_bytes(png, bytes, count);
+    uint32_t crc = UINT32_MAX;
+    for (size_t i = begin; i < png->count; ++i) {
+        crc ^= png->bytes[i];
+        for (int bit = 0; bit < 8; ++bit) {
+            crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+        }
+    }
+    add_word(png, ~crc);
+}
+
+// The rows, each behind its filter's number, in one stored block of deflate.
+static void add_rows(PngMaker *png, const void *rows, size_t count)
+{
+    PngMaker data = {.count = 0};
+    const unsigned char *at = rows;
+    unsigned char head[] = {0x78, 1, 1, (unsigned char)count, 0, (unsigned char)~count, 0xff};
+    add_bytes(&data, head, sizeof head);
+    add_bytes(&data, rows, count);
+    uint32_t a = 1, b = 0;
+    for (size_t i = 0; i < count; ++i) {
+        a = (a + at[i]) % 65521;
+        b = (b + a) % 65521;
+    }
+    add_word(&data, b << 16 | a);
+    add_chunk(png, "IDAT", data.bytes, data.count);
+    add_chunk(png, "IEND", "", 0);
+}
+
+static PngMaker begin_png(unsigned char width, unsigned char height, unsigned char bits,
+                          unsigned char color_type, unsigned char interlaced)
+{
+    PngMaker png = {.count = 0};
+    unsigned char head[13] = {0, 0, 0, width, 0, 0, 0, height, bits, color_type, 0, 0, interlaced};
+    add_bytes(&png, "\x89PNG\r\n\x1a\n", 8);
+    add_chunk(&png, "IHDR", head, sizeof head);
+    return png;
+}
+
+// What it should be read as; values in 65535ths.
+static void check_png(const PngMaker *png, int channels, bool srgb_encoded, const int *values)
+{
+    Image image;
+    char message[512] = "";
+    if (!image_read("a.png", png->bytes, png->count, LIMITS, &image, message, sizeof message)) {
+        fail_msg("%s", message);
+    }
+    assert_int_equal(image.channels, channels);
+    assert_int_equal(image.srgb_encoded, srgb_encoded);
+    for (int i = 0; i < image.width * image.height * channels; ++i) {
+        assert_float_equal(image.pixels[i], (float)values[i] / 65535, 1e-7f);
+    }
+    image_free(&image);
+}
+
+// Palettes, transparent colors, few bits, 16 bits, and rows in seven passes.
+static void test_kinds_of_png(void **state)
+{
+    (void)state;
+    enum { FULL = 65535, GRAY = 0, RGB = 2, PALETTE = 3, GRAY_ALPHA = 4 };
+    PngMaker png = begin_png(5, 1, 1, GRAY, 0);
+    add_rows(&png, "\0\x90", 2); // 10010
+    check_png(&png, 1, true, (const int[]){FULL, 0, 0, FULL, 0});
+    png = begin_png(2, 1, 4, PALETTE, 0);
+    add_chunk(&png, "PLTE", "\xff\0\0\0\xff\0", 6);
+    add_rows(&png, "\0\x10", 2);
+    check_png(&png, 3, true, (const int[]){0, FULL, 0, FULL, 0, 0});
+    png = begin_png(2, 1, 8, PALETTE, 0);
+    add_chunk(&png, "PLTE", "\xff\0\0\0\xff\0", 6);
+    add_chunk(&png, "tRNS", "\x33", 1);
+    add_rows(&png, "\0\0\1", 3);
+    check_png(&png, 4, true, (const int[]){FULL, 0, 0, FULL / 5, 0, FULL, 0, FULL});
+    png = begin_png(2, 1, 16, GRAY, 0);
+    add_chunk(&png, "tRNS", "\x12\x34", 2);
+    add_rows(&png, "\0\x12\x34\x12\x35", 5);
+    check_png(&png, 2, true, (const int[]){0x1234, 0, 0x1235, FULL});
+    png = begin_png(1, 2, 8, GRAY_ALPHA, 0);
+    add_chunk(&png, "gAMA", "\0\1\x86\xa0", 4); // 100000: linear
+    add_rows(&png, "\0\x33\x66\2\0\x33", 6);    // the second row is a difference to the first
+    check_png(&png, 2, false, (const int[]){FULL / 5, 2 * (FULL / 5), FULL / 5, 3 * (FULL / 5)});
+    png = begin_png(1, 1, 8, RGB, 0);
+    add_chunk(&png, "sRGB", "\0", 1); // wins over the exponent
+    add_chunk(&png, "gAMA", "\0\1\x86\xa0", 4);
+    add_rows(&png, "\0\x33\x66\x99", 4);
+    check_png(&png, 3, true, (const int[]){FULL / 5, 2 * (FULL / 5), 3 * (FULL / 5)});
+    // Adam7: of 3 x 3 pixels the passes hold (0,0), none, none, (2,0), (0,2) (2,2), (1,0) (1,2) and
+    // the middle row.
+    png = begin_png(3, 3, 8, GRAY, 1);
+    add_rows(&png,
+             "\0\0"
+             "\0\x33"
+             "\0\x99\xff"
+             "\0\x66"
+             "\0\xcc"
+             "\0\x33\x66\x99",
+             15);
+    check_png(&png, 1, true,
+              (const int[]){0, 2 * (FULL / 5), FULL / 5, FULL / 5, 2 * (FULL / 5), 3 * (FULL / 5),
+                            3 * (FULL / 5), 4 * (FULL / 5), FULL});
+}
+
+static void test_png_attributes(void **state)
+{
+    (void)state;
+    float pixel[4] = {1, 0.5f, 0, 0.25f};
+    ImageLayer layer = {"", 4, RGB_NAMES, pixel, NULL};
+    static const ImageAttribute attributes[] = {
+        {"Software", "scnrender"}, {"scnrender:camera", ""}, {"scnrender:scene", "bl\u00fcte.scn"}};
+    ImageFile file = {1, 1, 0, &layer, 1, attributes, 3};
+    write_file("texts.png", &file);
+    FileBytes bytes = bytes_of(path_of("texts.png"));
+    static const struct {
+        const char *bytes;
+        size_t count;
+    } expected[] = {{"tEXtSoftware\0scnrender", 22},
+                    {"tEXtscnrender:camera\0", 21},
+                    {"iTXtscnrender:scene\0\0\0\0\0bl\u00fcte.scn", 34}, // not Latin-1, but UTF-8
+                    {"gAMA\0\0\xb1\x8f", 8},
+                    {"sRGB\3", 5}};
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; ++i) {
+        if (!memmem(bytes.bytes, bytes.size, expected[i].bytes, expected[i].count)) {
+            fail_msg("no %s", expected[i].bytes);
+        }
+    }
+    file_bytes_free(&bytes);
 }
 
 static void test_values_out_of_range(void **state)
@@ -537,30 +683,38 @@ static void test_no_memory(void **state)
     free(pixels);
 }
 
-static void test_missing_module(void **state)
+// Neither library is there, or what lies in its place is none.
+static void check_missing_module(const char *name, const char *module, const char *complaint)
 {
-    (void)state;
     setenv("SCNRENDER_MODULES", folder, 1); // an empty one: the search goes on beside the program
     char message[512] = "";
     float pixel[3] = {0};
     ImageLayer layer = {"", 3, RGB_NAMES, pixel, NULL};
     ImageFile file = {1, 1, 0, &layer, 1, NULL, 0};
-    bool written = image_write(path_of("m.png"), "m.png", &file, message, sizeof message);
-    if (!written) {
-        assert_non_null(strstr(message, "OpenImageIO can't be loaded"));
+    if (!image_write(path_of(name), name, &file, message, sizeof message)) {
+        assert_non_null(strstr(message, complaint));
     }
     char broken[128];
-    snprintf(broken, sizeof broken, "%s/scn_oiio.so", folder);
+    snprintf(broken, sizeof broken, "%s/%s.so", folder, module);
     FILE *fake = fopen(broken, "w");
     fputs("not a library", fake);
     fclose(fake);
-    written = image_write(path_of("m.png"), "m.png", &file, message, sizeof message);
-    assert_false(written);
-    assert_non_null(strstr(message, "OpenImageIO can't be loaded"));
+    assert_false(image_write(path_of(name), name, &file, message, sizeof message));
+    assert_non_null(strstr(message, complaint));
+    assert_false(image_available(name, message, sizeof message));
+    assert_non_null(strstr(message, complaint));
     setenv("SCNRENDER_MODULES", SCN_BINARY_DIR "/lib/scnrender", 1);
-    image_preload();
-    image_preload();
-    assert_true(image_write(path_of("m.png"), "m.png", &file, message, sizeof message));
+    image_preload(name);
+    image_preload("");
+    assert_true(image_available(name, message, sizeof message));
+    assert_true(image_write(path_of(name), name, &file, message, sizeof message));
+}
+
+static void test_missing_module(void **state)
+{
+    (void)state;
+    check_missing_module("m.exr", "scn_oiio", "OpenImageIO can't be loaded");
+    check_missing_module("m.png", "scn_png", "libpng can't be loaded");
 }
 
 int main(void)
@@ -571,6 +725,8 @@ int main(void)
         cmocka_unit_test(test_round_trips),
         cmocka_unit_test(test_types_with_loss),
         cmocka_unit_test(test_exact_png_values),
+        cmocka_unit_test(test_kinds_of_png),
+        cmocka_unit_test(test_png_attributes),
         cmocka_unit_test(test_values_out_of_range),
         cmocka_unit_test(test_exr_layers_and_attributes),
         cmocka_unit_test(test_same_bytes),
