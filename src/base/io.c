@@ -196,12 +196,21 @@ IoError file_read(const char *path, uint64_t max_bytes, FileBytes *out)
     return error;
 }
 
-// A sum, so that the order doesn't matter.
-static void count_content(Sandbox *sandbox, const char *path, const FileBytes *file)
+uint64_t sandbox_content_hash(const char *path, const FileBytes *file)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     uint64_t seed = XXH3_64bits(name, strlen(name));
-    atomic_fetch_add(&sandbox->content_hash, XXH3_64bits_withSeed(file->bytes, file->size, seed));
+    return XXH3_64bits_withSeed(file->bytes, file->size, seed);
+}
+
+// A sum, so that the order doesn't matter.
+static void count_content(Sandbox *sandbox, const char *path, const FileBytes *file)
+{
+    const uint64_t hash = sandbox_content_hash(path, file);
+    atomic_fetch_add(&sandbox->content_hash, hash);
+    if (sandbox->on_read) {
+        sandbox->on_read(sandbox->on_read_context, path, hash);
+    }
 }
 
 IoError sandbox_read(Sandbox *sandbox, const char *path, FileBytes *out)

@@ -51,6 +51,9 @@ typedef struct Sandbox {
     // opened; from the thread that opens it. NULL: nobody is.
     void (*on_open)(void *context, const char *path);
     void *on_open_context;
+    // Told of each file that was read, with sandbox_content_hash of it; NULL: nobody is.
+    void (*on_read)(void *context, const char *path, uint64_t hash);
+    void *on_read_context;
     // Over the names (without folders) and the contents of all files read so far, in whatever order
     // they were read: two runs that read the same files end with the same number.
     atomic_uint_least64_t content_hash;
@@ -72,7 +75,9 @@ IoError sandbox_open(const Sandbox *sandbox, const char *path, int *fd, uint64_t
 bool sandbox_has(const Sandbox *sandbox, const char *path);
 // Reads a whole file; give it back with file_bytes_free.
 IoError sandbox_read(Sandbox *sandbox, const char *path, FileBytes *out);
-// The same without a sandbox, for files that the user named on the command line ("-" is stdin);
+// Of a file's name (without folders) and content.
+uint64_t sandbox_content_hash(const char *path, const FileBytes *file);
+// sandbox_read without a sandbox, for files that the user named on the command line ("-" is stdin);
 // they may be pipes.
 IoError file_read(const char *path, uint64_t max_bytes, FileBytes *out);
 void file_bytes_free(FileBytes *bytes);

@@ -40,6 +40,16 @@ static void explain_builtin(const BuiltinInfo *builtin)
     print_paragraph(builtin->doc);
 }
 
+static void explain_constant(const ConstantInfo *constant)
+{
+    if (constant->moment >= 0) {
+        printf("%s: a %s\n", constant->name, dim_info(constant->dim)->name);
+    } else {
+        printf("%s = %.15g\n", constant->name, constant->value);
+    }
+    print_paragraph(constant->doc);
+}
+
 static void explain_integrator(const IntegratorClass *integrator)
 {
     printf("render { integrator: \"%s\" }\n", integrator->name);
@@ -67,6 +77,10 @@ static void list_all(const Schema *schema)
         }
         printf(" %s", lang_builtins[i].name);
         at += length;
+    }
+    fputs("\n\nQuantities:", stdout);
+    for (size_t i = 0; i < lang_constant_count; ++i) {
+        printf(" %s", lang_constants[i].name);
     }
     puts("\n\n`scnrender explain NAME` explains each of them, and codes like E0301.");
 }
@@ -106,6 +120,13 @@ static bool try_builtin(const char *name, bool again)
             found = true;
         }
     }
+    for (size_t i = 0; i < lang_constant_count; ++i) {
+        if (strcmp(lang_constants[i].name, name) == 0) {
+            fputs(again || found ? "\n" : "", stdout);
+            explain_constant(&lang_constants[i]);
+            found = true;
+        }
+    }
     return found;
 }
 
@@ -136,6 +157,9 @@ static const char *nearest_entry(const Schema *schema, const char *name)
     size_t nearest = near ? str_distance(str_from(name), str_from(near), 3) : 3;
     for (size_t i = 0; i < lang_builtin_count; ++i) {
         consider(name, lang_builtins[i].name, &near, &nearest);
+    }
+    for (size_t i = 0; i < lang_constant_count; ++i) {
+        consider(name, lang_constants[i].name, &near, &nearest);
     }
     for (size_t i = 0; integrator_classes[i]; ++i) {
         consider(name, integrator_classes[i]->name, &near, &nearest);

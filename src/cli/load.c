@@ -1,5 +1,6 @@
 #include "cli/load.h"
 
+#include "cli/told.h"
 #include "render/render.h"
 
 #include <errno.h>
@@ -190,10 +191,11 @@ static bool memory_ran_out(const DiagSink *sink)
     return out;
 }
 
-int report_diagnostics(const Options *options, const DiagSink *sink, Sources *sources)
+static int report(const Options *options, Told *told, const DiagSink *sink, Sources *sources)
 {
     DiagSink shown = *sink;
-    if (options->quiet && !keep_errors(&shown)) {
+    if ((options->quiet && !keep_errors(&shown)) ||
+        (told && !told_keep_new(told, &shown, sources))) {
         return no_memory();
     }
     if (options->json) {
@@ -203,13 +205,18 @@ int report_diagnostics(const Options *options, const DiagSink *sink, Sources *so
         write_summary(&shown);
     }
     fflush(stderr);
-    if (memory_ran_out(&shown)) {
+    if (memory_ran_out(sink)) {
         return shown.count > 0 ? EXIT_NO_MEMORY : no_memory();
     }
-    return shown.errors > 0 ? EXIT_DIAGNOSTICS : EXIT_OK;
+    return sink->errors > 0 ? EXIT_DIAGNOSTICS : EXIT_OK;
+}
+
+int report_diagnostics(const Options *options, const DiagSink *sink, Sources *sources)
+{
+    return report(options, NULL, sink, sources);
 }
 
 int loading_report(Loading *loading)
 {
-    return report_diagnostics(loading->options, &loading->lang.sink, &loading->lang.sources);
+    return report(loading->options, loading->told, &loading->lang.sink, &loading->lang.sources);
 }

@@ -9,6 +9,7 @@
 
 typedef struct Loading {
     const Options *options;
+    struct Told *told; // diagnostics that aren't shown again; NULL: all are
     Lang lang;
     Scene scene;
     Sandbox sandbox;

@@ -4,6 +4,7 @@
 
 #include "base/arena.h"
 #include "base/vec.h"
+#include "cli/sweep_values.h"
 #include "export/export.h"
 #include "lang/lang.h"
 
@@ -36,6 +37,12 @@ typedef enum OptionId {
 
 typedef enum Dump { DUMP_NOTHING, DUMP_TOKENS, DUMP_AST, DUMP_SCENE } Dump;
 
+// --frames first..last:step
+typedef struct FrameRange {
+    int64_t first, last;
+    int64_t step; // > 0; 0: there is none
+} FrameRange;
+
 typedef struct Options {
     Arena arena; // lists below
     Command command;
@@ -52,8 +59,13 @@ typedef struct Options {
     const char *checkpoint;          // or NULL
     double checkpoint_interval;      // seconds
     int64_t range_first, range_last; // --sample-range; last < 0: none
-    double exposure;                 // stops; NAN: the scene's
-    int tone;                        // ToneCurve; -1: the scene's
+    const Sweep *sweeps;
+    size_t sweep_count;
+    FrameRange frames;
+    double fps;      // --fps, of --frames
+    bool again;      // --again
+    double exposure; // stops; NAN: the scene's
+    int tone;        // ToneCurve; -1: the scene's
     Dump dump;
     bool json, quiet, has_at, resume;
     bool check, diff;           // of fmt

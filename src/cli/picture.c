@@ -287,6 +287,15 @@ bool picture_describe(Picture *picture, Loading *loading, const Renderer *render
     return facts.complete;
 }
 
+Picture picture_copy(const Picture *picture, const char *path)
+{
+    Picture copy = *picture;
+    copy.path = path;
+    copy.bits = image_has_bits(path, picture->bits) ? picture->bits : 0;
+    memset(copy.aovs, 0, sizeof copy.aovs);
+    return copy;
+}
+
 // A number that was written by picture_describe.
 static double noted_number(CheckpointTexts notes, const char *name)
 {

@@ -27,8 +27,10 @@ typedef struct Picture {
 int picture_begin(Picture *picture, Loading *loading);
 // Describes a picture of what the renderer renders. False without memory.
 bool picture_describe(Picture *picture, Loading *loading, const Renderer *renderer);
-// The same from the notes of a checkpoint, which must outlive it; its name, bits and, where any are
-// named, layers are of the options. An ExitCode, after a message if it isn't EXIT_OK.
+// The same picture at `path`, without further layers and with the bits of its type.
+Picture picture_copy(const Picture *picture, const char *path);
+// Describes it from the notes of a checkpoint, which must outlive it; its name, bits and, where any
+// are named, layers are of the options. An ExitCode, after a message if it isn't EXIT_OK.
 int picture_recall(Picture *picture, const Options *options, CheckpointTexts notes, bool has_layers,
                    Arena *arena);
 // True if any layer but the picture itself is to be written.

@@ -71,9 +71,11 @@ static int terminal_width(void)
     return width < MOST_WIDTH ? width : MOST_WIDTH;
 }
 
-void bar_begin(Bar *bar, bool wanted)
+void bar_begin(Bar *bar, bool wanted, const char *label)
 {
-    *bar = (Bar){.shown = wanted && isatty(STDERR_FILENO), .drawn_at = -REDRAW_SECONDS};
+    *bar = (Bar){.shown = wanted && isatty(STDERR_FILENO),
+                 .drawn_at = -REDRAW_SECONDS,
+                 .label = label ? label : ""};
 }
 
 void bar_draw(Bar *bar, const RenderProgress *progress)
@@ -82,8 +84,9 @@ void bar_draw(Bar *bar, const RenderProgress *progress)
         return;
     }
     char text[MOST_WIDTH + 1];
-    bar_text(progress, terminal_width(), text, sizeof text);
-    fprintf(stderr, "\r%s\x1b[K", text); // erases what is left of a longer line
+    const int width = terminal_width(), label = (int)strlen(bar->label);
+    bar_text(progress, width > label ? width - label : 0, text, sizeof text);
+    fprintf(stderr, "\r%s%s\x1b[K", bar->label, text); // erases what is left of a longer line
     fflush(stderr);
     bar->drawn = true;
     bar->drawn_at = progress->seconds;

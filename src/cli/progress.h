@@ -11,9 +11,11 @@ typedef struct Bar {
     bool shown;      // on a terminal, and wanted
     bool drawn;      // there is a line to be wiped
     double drawn_at; // seconds since the start of rendering
+    const char *label;
 } Bar;
 
-void bar_begin(Bar *bar, bool wanted);
+// `label` stands before it; NULL: nothing.
+void bar_begin(Bar *bar, bool wanted, const char *label);
 void bar_draw(Bar *bar, const RenderProgress *progress);
 // Wipes it, so that something else can be printed.
 void bar_end(Bar *bar);

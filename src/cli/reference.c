@@ -68,6 +68,12 @@ static void print_functions(void)
         manual_write_cell(stdout, lang_builtins[i].doc);
         puts(" |");
     }
+    puts("\nNames of quantities:\n\n| name | |\n|---|---|");
+    for (size_t i = 0; i < lang_constant_count; ++i) {
+        printf("| `%s` | ", lang_constants[i].name);
+        manual_write_cell(stdout, lang_constants[i].doc);
+        puts(" |");
+    }
 }
 
 static void print_limits(void)

@@ -5,33 +5,41 @@
 const Builtin builtins[] = {
 #define BUILTIN(name, least, most, signature, doc) {#name, builtin_##name, least, most},
 #include "lang/builtins.def"
-#undef BUILTIN
 };
 const uint32_t builtin_count = sizeof builtins / sizeof builtins[0];
 
 static const BuiltinInfo infos[] = {
 #define BUILTIN(name, least, most, signature, doc) {#name, signature, doc},
 #include "lang/builtins.def"
-#undef BUILTIN
 };
 const BuiltinInfo *const lang_builtins = infos;
 const size_t lang_builtin_count = sizeof infos / sizeof infos[0];
 
 const ConstantInfo lang_constants[] = {
-    {"pi", "Half a turn in radians, as a bare number.", PI},
-    {"tau", "A turn in radians, as a bare number: 2 pi.", 2 * PI},
+#define CONSTANT(name, dimension, value, doc) {#name, doc, DIM_##dimension, -1, value},
+#define MOMENT(name, dimension, doc)          {#name, doc, DIM_##dimension, (int)offsetof(Moment, name), 0},
+#include "lang/builtins.def"
 };
 const size_t lang_constant_count = sizeof lang_constants / sizeof lang_constants[0];
 
-bool builtin_constant(Str name, double *out)
+int constant_find(Str name)
 {
     for (size_t i = 0; i < lang_constant_count; ++i) {
         if (str_equal(name, str_from(lang_constants[i].name))) {
-            *out = lang_constants[i].value;
-            return true;
+            return (int)i;
         }
     }
-    return false;
+    return -1;
+}
+
+Value constant_value(const Eval *ev, uint32_t number)
+{
+    const ConstantInfo *info = &lang_constants[number];
+    double value = info->value;
+    if (info->moment >= 0) {
+        memcpy(&value, (const char *)&ev->lang->moment + info->moment, sizeof value);
+    }
+    return value_number(value, (uint8_t)info->dim);
 }
 
 Value call_builtin(Eval *ev, Env *env, AstId node, Span at, uint32_t builtin, const Value *args,

@@ -6,7 +6,6 @@
 
 #define BUILTIN(name, least, most, signature, doc) Value builtin_##name(Call *call);
 #include "lang/builtins.def"
-#undef BUILTIN
 
 // Where argument `i` was written.
 Span arg_span(const Call *call, uint32_t i);

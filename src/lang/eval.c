@@ -111,7 +111,7 @@ static Value eval_name(Eval *ev, Env *env, AstId id)
     case NAME_BUILTIN:
         return (Value){.type = VALUE_BUILTIN, .count = node->a};
     case NAME_CONSTANT:
-        return value_number(ast_number(node), DIM_NONE);
+        return constant_value(ev, node->a);
     default:
         return value_error();
     }

@@ -54,8 +54,8 @@ struct Module {
     Env *env;
 };
 
-// What a NAME was resolved to, in AstNode.op; a: slot (or builtin, module), b: the declaring node,
-// aux: how many frames up.
+// What a NAME was resolved to, in AstNode.op; a: slot (or builtin, constant, module), b: the
+// declaring node, aux: how many frames up.
 typedef enum NameKind {
     NAME_BAD, // unknown; reported
     NAME_VARIABLE,
@@ -421,7 +421,8 @@ extern const Builtin builtins[];
 extern const uint32_t builtin_count;
 Value call_builtin(Eval *ev, Env *env, AstId node, Span at, uint32_t builtin, const Value *args,
                    uint32_t count);
-// One of lang_constants.
-bool builtin_constant(Str name, double *out);
+// The number of one of lang_constants, or -1.
+int constant_find(Str name);
+Value constant_value(const Eval *ev, uint32_t number);
 
 #endif

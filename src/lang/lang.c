@@ -239,7 +239,7 @@ static void keep_bindings(Eval *ev, Module *module)
     }
 }
 
-// The bytes of all files of the scene and the settings.
+// The bytes of all files of the scene and the settings, and when it is, where it moves.
 static uint64_t hash_scene(const Eval *ev)
 {
     uint64_t hash = 0;
@@ -254,6 +254,9 @@ static uint64_t hash_scene(const Eval *ev)
         hash = XXH3_64bits_withSeed(lang->settings[i].name.at, lang->settings[i].name.length, hash);
         hash =
             XXH3_64bits_withSeed(lang->settings[i].value.at, lang->settings[i].value.length, hash);
+    }
+    if (lang->moves) {
+        hash = XXH3_64bits_withSeed(&lang->moment, sizeof lang->moment, hash);
     }
     return hash;
 }

@@ -40,6 +40,12 @@ typedef struct ParamSetting { // --set name=value
                               // a bare word is taken as a string
 } ParamSetting;
 
+// When a picture is of, where a scene moves.
+typedef struct Moment {
+    double frame; // a whole number
+    double time;  // s
+} Moment;
+
 // What a `let` or `param` came to while a scene was evaluated, for editors.
 typedef struct Observation {
     Span name;        // where it is declared
@@ -69,6 +75,8 @@ typedef struct Lang {
     Limits limits;
     const ParamSetting *settings;
     size_t setting_count;
+    Moment moment;
+    bool moves;     // set by lang_load: some file of the scene names `frame` or `time`
     FILE *print_to; // where print() writes; NULL: nowhere
     // Where lang_load writes the params, too, as lang_params_json does, once their values are
     // known; NULL: nowhere.
@@ -118,10 +126,12 @@ typedef struct BuiltinInfo {
 extern const BuiltinInfo *const lang_builtins;
 extern const size_t lang_builtin_count;
 
-// Names of numbers: pi and tau.
+// Names of numbers: pi, tau, frame and time.
 typedef struct ConstantInfo {
     const char *name, *doc;
-    double value;
+    Dim dim;
+    int moment;   // where it lies in a Moment; -1: it always is `value`
+    double value; // in SI
 } ConstantInfo;
 extern const ConstantInfo lang_constants[];
 extern const size_t lang_constant_count;

@@ -71,26 +71,35 @@ static void resolve_to_binding(Resolver *r, AstNode *node, const Binding *bindin
     node->b = binding->item;
 }
 
+// One of the built-in quantities; or nothing, which is reported.
+static void resolve_constant(Resolver *r, AstId id, Symbol name)
+{
+    AstNode *node = node_at(r, id);
+    int constant = constant_find(symbol_name(r->ev->names, name));
+    if (constant >= 0) {
+        node->op = NAME_CONSTANT;
+        node->a = (uint32_t)constant;
+        r->ev->lang->moves |= lang_constants[constant].moment >= 0;
+        return;
+    }
+    node->op = NAME_BAD;
+    if (!r->module->failed) { // else its declaration may be what could not be parsed
+        report_unknown_name(r, id, name);
+    }
+}
+
 static void resolve_name(Resolver *r, AstId id)
 {
     AstNode *node = node_at(r, id);
     Symbol name = node->a;
     const Binding *binding = scope_find(r, name);
-    double constant;
     if (binding) {
         resolve_to_binding(r, node, binding);
     } else if (name < r->ev->symbol_count && r->ev->symbols[name].builtin) {
         node->op = NAME_BUILTIN;
         node->a = r->ev->symbols[name].builtin - 1u;
-    } else if (builtin_constant(symbol_name(r->ev->names, name), &constant)) {
-        node->op = NAME_CONSTANT;
-        memcpy(&node->a, &constant, sizeof node->a);
-        memcpy(&node->b, (const char *)&constant + sizeof node->a, sizeof node->b);
     } else {
-        node->op = NAME_BAD;
-        if (!r->module->failed) { // else its declaration may be what could not be parsed
-            report_unknown_name(r, id, name);
-        }
+        resolve_constant(r, id, name);
     }
 }
 

@@ -106,15 +106,6 @@ AstId survey_find_global(const Survey *survey, uint32_t file, Str name)
 
 // --- Names -----------------------------------------------------------------------------------
 
-static uint32_t constant_number(const AstNode *node)
-{
-    uint32_t i = 0;
-    while (i + 1 < lang_constant_count && lang_constants[i].value != ast_number(node)) {
-        ++i;
-    }
-    return i;
-}
-
 static Meaning name_meaning(uint32_t file, const AstNode *node)
 {
     switch ((NameKind)node->op) {
@@ -126,7 +117,7 @@ static Meaning name_meaning(uint32_t file, const AstNode *node)
     case NAME_BUILTIN:
         return (Meaning){.kind = MEANS_BUILTIN, .number = node->a};
     case NAME_CONSTANT:
-        return (Meaning){.kind = MEANS_CONSTANT, .number = constant_number(node)};
+        return (Meaning){.kind = MEANS_CONSTANT, .number = node->a};
     case NAME_BAD:
         break;
     }

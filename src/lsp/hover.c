@@ -208,7 +208,12 @@ static void write_type(const Analysis *analysis, const Target *target, FILE *out
 
 static void write_constant(const ConstantInfo *constant, FILE *out)
 {
-    fprintf(out, "%s = %.15g\n\n%s\n", constant->name, constant->value, constant->doc);
+    if (constant->moment >= 0) {
+        fprintf(out, "%s: a %s\n\n%s\n", constant->name, dim_info(constant->dim)->name,
+                constant->doc);
+    } else {
+        fprintf(out, "%s = %.15g\n\n%s\n", constant->name, constant->value, constant->doc);
+    }
 }
 
 static void write_target(const Document *document, const Analysis *analysis, const Target *target,

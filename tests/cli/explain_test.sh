@@ -23,6 +23,13 @@ for name in $(sed '/^## Integrators/,$d' manual | sed -n 's/^### `\([a-z_]*\)`$/
     expect_text out "$name: a"
 done
 # Both where a kind and a function share a name; the nearest where there is none.
+run explain pi
+expect_text out "pi = 3.14159265358979"
+run explain time
+expect_text out "time: a time"
+expect_text out "--frames"
+run explain
+expect_text out "Quantities: pi tau frame time"
 run explain phong
 expect_text out "phong: a material"
 expect_text out "phong(n, v, l, e, k)"

@@ -51,6 +51,21 @@ expect_empty() {
     [ ! -s "$1" ] || { fail "$last: $1 isn't empty:"; head -5 "$1" >&2; }
 }
 
+# interrupt SCRIPT FILE: starts the script, which execs the program, and presses Ctrl-C until it has
+# left the file, later and later: a busy machine may take long to begin.
+interrupt() {
+    for delay in 1.5 4 12 30; do
+        env --default-signal=INT sh "$1" >out 2>err &
+        pid=$!
+        sleep "$delay"
+        kill -s INT $pid
+        wait $pid
+        code=$?
+        [ ! -s "$2" ] || break
+    done
+    [ -s "$2" ] || fail "$last: no $2"
+}
+
 # Nothing is left beside the pictures.
 expect_no_leftovers() {
     left=$(find . -name '*.tmp')

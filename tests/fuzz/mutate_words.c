@@ -93,8 +93,9 @@ static const Words *all_words(void)
     }
     add_kinds(&words);
 #define BUILTIN(name, least, most, signature, doc) add_word(&words, #name, sizeof #name - 1);
+#define CONSTANT(name, dimension, value, doc)      add_word(&words, #name, sizeof #name - 1);
+#define MOMENT(name, dimension, doc)               add_word(&words, #name, sizeof #name - 1);
 #include "lang/builtins.def"
-#undef BUILTIN
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
         add_word(&words, others[i], strlen(others[i]));
     }

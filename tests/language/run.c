@@ -3,6 +3,7 @@
 //     // expect: text          what print() writes, line by line, in order
 //     // set: name=value       a setting, as --set
 //     // limit: name=N         a limit, as --limit
+//     // moment: FRAME FPS     the picture of a film that it is
 //     // count: shapes=3       what the scene holds then: a category's plural, or instances,
 //                              prototypes, transforms, meshes
 //     //! text                 the diagnostics, exactly as written to a pipe; or, for programs
@@ -32,6 +33,7 @@ typedef struct Program {
     char *settings[16];
     size_t setting_count;
     Limits limits;
+    Moment moment;
     char *counts[32];
     size_t count_count;
 } Program;
@@ -98,6 +100,10 @@ static void read_expectations(Program *program)
             program->settings[program->setting_count++] = copy_rest(rest, end);
         } else if ((rest = after(at, end, "// count: ")) && program->count_count < 32) {
             program->counts[program->count_count++] = copy_rest(rest, end);
+        } else if ((rest = after(at, end, "// moment: ")) != NULL) {
+            char *fps;
+            program->moment.frame = strtod(rest, &fps);
+            program->moment.time = program->moment.frame / strtod(fps, NULL);
         } else if ((rest = after(at, end, "// limit: ")) != NULL) {
             Str assignment = {rest, (size_t)(end - rest)};
             if (!limits_set(&program->limits, assignment)) {
@@ -197,6 +203,7 @@ static bool run_program(const Program *program, Outcome *outcome)
             {program->settings[i], (size_t)(equals - program->settings[i])}, str_from(equals + 1)};
     }
     lang.limits = program->limits;
+    lang.moment = program->moment;
     lang.settings = settings;
     lang.setting_count = program->setting_count;
     lang.print_to = open_memstream(&outcome->print, &outcome->print_size);

@@ -12,7 +12,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 
 # The order of the side bar; pages that aren't named follow by name.
-ORDER = ["README.md", "docs/tutorial.md", "docs/language.md", "docs/reference.md", "docs/light.md", "docs/watch.md",
+ORDER = ["README.md", "docs/tutorial.md", "docs/language.md", "docs/reference.md", "docs/light.md", "docs/watch.md", "docs/batch.md",
          "docs/editors.md", "docs/testing.md", "docs/from_povray.md", "docs/from_blender.md", "docs/trust.md",
          "docs/agreement.md", "docs/performance.md"]
 

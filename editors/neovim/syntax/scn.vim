@@ -15,7 +15,7 @@ syntax keyword scnRepeat for in
 syntax keyword scnConditional if else
 syntax keyword scnOperator and or not
 syntax keyword scnBoolean true false
-syntax keyword scnConstant pi tau
+syntax match scnConstant /\<\%(frame\|pi\|tau\|time\)\>\%(\s*:\)\@!/
 syntax match scnHeader /\%^\_s*scn\s\+1\>/
 syntax match scnNumber /\<\d\%(_\?\d\)*\%(\.\d\%(_\?\d\)*\)\?\%([eE][+-]\?\d\+\)\?/ nextgroup=scnUnit
 syntax match scnUnit /\%(deg\|rad\|turn\|km\|cm\|mm\|um\|nm\|ms\|lm\|cd\|lx\|nit\|kW\|m\|s\|K\|W\)\>/ contained

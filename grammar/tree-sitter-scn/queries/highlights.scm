@@ -25,7 +25,7 @@
 (field name: (identifier) @property)
 (member name: (identifier) @property)
 ((identifier) @constant.builtin
-  (#match? @constant.builtin "^(pi|tau)$"))
+  (#match? @constant.builtin "^(frame|pi|tau|time)$"))
 
 (number) @number
 (unit) @type.qualifier
