@@ -77,6 +77,14 @@ png_size() {
     od -An -tu1 -j16 -N8 "$1" | awk '{ print $1*16777216+$2*65536+$3*256+$4 "x" $5*16777216+$6*65536+$7*256+$8 }'
 }
 
+# trust_none NAME FAILURES TRIES: the script's line in the table of trust (tests/trust.h).
+trust_none() {
+    folder=$BUILD_DIR/trust
+    [ "${SCN_TRUST:-}" != full ] || folder=$folder/full
+    script=$(basename "$0")
+    printf 'none\t%s\tcli/%s\t%d\t%d\n' "$1" "$script" "$3" "$2" >"$folder/cli_${script%.sh}.tsv"
+}
+
 finish() {
     [ "$failures" -eq 0 ] || { echo "$failures failed" >&2; exit 1; }
     exit 0

@@ -14,6 +14,7 @@
 #ifndef TEST_ESTIMATE_H
 #define TEST_ESTIMATE_H
 
+#include "../trust.h"
 #include "base/thread.h"
 #include "render/integrator.h"
 #include "scene_maker.h"
@@ -29,12 +30,6 @@ enum { REPLICATES = 32, MAX_CHECKS = 2048 };
 static const double ALPHA = 1e-3;
 // The bias that checks find in a full run; a test may say another for some of its own.
 static double full_bias = 1e-3;
-
-static inline bool full_run(void)
-{
-    const char *text = getenv("SCN_TRUST");
-    return text && strcmp(text, "full") == 0;
-}
 
 // How many standard errors make the smallest bias that one of `checks` checks finds in 99 of 100
 // runs: those to be significant, and those that chance may take away.
@@ -219,6 +214,16 @@ static inline bool check_line(const Check *c, int family, FILE *out)
     return !wrong && !weak;
 }
 
+static inline void check_trust(const Check *c)
+{
+    if (c->freedom == 0) {
+        trust_near(c->name, c->expected, c->mean, c->error);
+    } else {
+        trust_mean(c->name, c->expected, c->mean, fmax(c->error, 1e-7 * fabs(c->expected)),
+                   c->freedom, c->wanted_fully);
+    }
+}
+
 // Prints the table, and puts it into the build folder as trust/NAME.txt; the number of checks that
 // failed, or that couldn't have found what they should.
 static inline int check_judge(const CheckTable *table, const char *name)
@@ -243,6 +248,9 @@ static inline int check_judge(const CheckTable *table, const char *name)
     }
     if (files[1]) {
         fclose(files[1]);
+    }
+    for (int i = 0; i < table->count; ++i) {
+        check_trust(&table->checks[i]);
     }
     return failures;
 }

@@ -420,6 +420,7 @@ int main(void)
     char name[64] = "estimators";
     if (text) {
         snprintf(name, sizeof name, "estimators_%04d", part);
+        trust_part = name + strlen("estimators");
         table.family = 3 * MATERIAL_COUNT * LIGHT_COUNT;
     }
     estimate_pairs = true;

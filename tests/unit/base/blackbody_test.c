@@ -1,3 +1,4 @@
+#include "../../trust.h"
 #include "../test_support.h"
 
 #include "base/blackbody.h"
@@ -5,8 +6,11 @@
 static void planck_matches_reference_values(void **state)
 {
     (void)state;
-    assert_true(fabs(planck_radiance(483e-9, 6000) / 3.1849e13 - 1) < 1e-4);
-    assert_true(fabs(planck_radiance(600e-9, 4500) / 7.46497e12 - 1) < 1e-4);
+    // Reference check 16.
+    assert_true(trust_near("16 blackbody, 483 nm, 6000 K, W/m2/sr/m", 3.1849e13,
+                           planck_radiance(483e-9, 6000), 5e-5 * 3.1849e13));
+    assert_true(trust_near("16 blackbody, 600 nm, 4500 K, W/m2/sr/m", 7.46497e12,
+                           planck_radiance(600e-9, 4500), 5e-5 * 7.46497e12));
 }
 
 // Stefan and Boltzmann: the integral over all wavelengths is σ T⁴ / π.
@@ -18,7 +22,8 @@ static void planck_integrates_to_stefan_boltzmann(void **state)
         step = l * 1e-3;
         sum += planck_radiance(l + step / 2, t) * step;
     }
-    assert_true(fabs(sum / (5.670374419e-8 * t * t * t * t / PI) - 1) < 1e-3);
+    assert_true(trust_near("16 blackbody over all wavelengths, sigma T^4 / pi", 1,
+                           sum / (5.670374419e-8 * t * t * t * t / PI), 1e-3));
 }
 
 static void colors_have_luminance_1_and_go_from_red_to_blue(void **state)

@@ -3,6 +3,7 @@
 #ifndef BSDF_CHECK_H
 #define BSDF_CHECK_H
 
+#include "../../trust.h"
 #include "../test_support.h"
 #include "base/hash.h"
 #include "base/statistics.h"
@@ -238,6 +239,10 @@ static inline Vec3 random_hemisphere(Random *r)
     return normalize(w);
 }
 
+static inline double relative_difference(double a, double b)
+{
+    return a == b ? 0 : fabs(a - b) / fmax(fabs(a), fabs(b));
+}
 static inline bool near_relative(double a, double b, double tolerance)
 {
     return fabs(a - b) <= tolerance * fmax(fabs(a), fabs(b));
@@ -325,7 +330,7 @@ static inline int compare_cells(const void *a, const void *b)
 }
 
 // The p value, cells pooled where fewer than 5 are expected.
-static inline double chi2_p_value(const Chi2 *chi2)
+static inline double chi2_p_value(const Chi2 *chi2, int *freedom)
 {
     static const double *cells[CELL_COUNT];
     for (int i = 0; i < CELL_COUNT; ++i) {
@@ -334,6 +339,7 @@ static inline double chi2_p_value(const Chi2 *chi2)
     qsort(cells, CELL_COUNT, sizeof *cells, compare_cells);
     double sum = 0, pooled_expected = 0, pooled_observed = 0;
     int degrees = -1;
+    *freedom = 0;
     for (int i = 0; i < CELL_COUNT; ++i) {
         double e = *cells[i], o = chi2->observed[cells[i] - chi2->expected];
         if (e < 5 || (pooled_expected > 0 && pooled_expected < 5)) {
@@ -350,10 +356,12 @@ static inline double chi2_p_value(const Chi2 *chi2)
     } else if (pooled_observed > pooled_expected + 5 * sqrt(pooled_expected) + 5) {
         return 0; // samples where the density is zero
     }
+    *freedom = degrees;
     return degrees > 0 ? gamma_q(0.5 * degrees, 0.5 * sum) : 1;
 }
 
-static inline double chi2_test(Bench *bench, uint32_t material, Vec3 wo, int samples, uint64_t seed)
+static inline double chi2_test(Bench *bench, uint32_t material, Vec3 wo, int samples, uint64_t seed,
+                               int *freedom)
 {
     static Chi2 chi2;
     memset(&chi2, 0, sizeof chi2);
@@ -387,7 +395,7 @@ static inline double chi2_test(Bench *bench, uint32_t material, Vec3 wo, int sam
         fail_msg("the density integrates to %.6f", total / samples);
     }
     chi2.expected[CELL_NOTHING] = fmax(0, samples - total);
-    return chi2_p_value(&chi2);
+    return chi2_p_value(&chi2, freedom);
 }
 
 // At five angles, from behind at one; `family` is the number of such calls in a test program:
@@ -400,7 +408,14 @@ static inline void check_chi2(Bench *bench, const char *what, uint32_t material,
     for (uint64_t i = from_back ? 2 : 0; i < (from_back ? 3 : 5); ++i) {
         Vec3 wo = direction(ANGLES[i][0], ANGLES[i][1]);
         wo.z = from_back ? -wo.z : wo.z;
-        double p = chi2_test(bench, material, wo, samples, i + 1);
+        int freedom;
+        double p = chi2_test(bench, material, wo, samples, i + 1, &freedom);
+        char name[64];
+        snprintf(name, sizeof name, "17 %s, %g degrees", what,
+                 from_back ? 180 - ANGLES[i][0] : ANGLES[i][0]);
+        if (freedom > 0) { // something has a density
+            trust_chi2(name, p, samples, freedom);
+        }
         if (p < level) {
             fail_msg("%s at %g degrees%s: p = %.3g", what, ANGLES[i][0],
                      from_back ? " from behind" : "", p);
@@ -414,6 +429,7 @@ static inline void check_chi2(Bench *bench, const char *what, uint32_t material,
 static inline void check_weights(Bench *bench, const char *what, uint32_t material, int samples)
 {
     Random random = {1};
+    double worst = 0;
     for (int i = 0; i < samples; ++i) {
         Vec3 wo = random_direction(&random);
         float lobe = random_next(&random), u = random_next(&random), v = random_next(&random);
@@ -431,12 +447,18 @@ static inline void check_weights(Bench *bench, const char *what, uint32_t materi
             continue;
         }
         BsdfEval e = material_eval(&point, material, s.wi);
-        if (!near_relative((double)e.pdf, (double)s.pdf, 1e-3) ||
-            !near_relative((double)(e.value.g / e.pdf), (double)s.weight.g, 1e-3)) {
+        const double off =
+            fmax(relative_difference((double)e.pdf, (double)s.pdf),
+                 relative_difference((double)(e.value.g / e.pdf), (double)s.weight.g));
+        if (!(off <= 1e-3)) {
             fail_msg("%s: pdf %g and weight %g, but eval says %g and %g", what, (double)s.pdf,
                      (double)s.weight.g, (double)e.pdf, (double)(e.value.g / e.pdf));
         }
+        worst = fmax(worst, off);
     }
+    char name[64];
+    snprintf(name, sizeof name, "18 %s, sample against eval, relative", what);
+    assert_true(trust_at_most(name, 1e-3, worst));
 }
 
 // f(wo, wi) eta_wi² = f(wi, wo) eta_wo², to relative 1e-5, where eta belongs to the side.
@@ -446,6 +468,7 @@ static inline void check_reciprocity(Bench *bench, const char *what, uint32_t ma
     Random random = {7};
     bool transmits = material_lobes(&bench->world, material) & LOBE_TRANSMIT;
     int found = 0;
+    double worst = 0;
     for (int i = 0; i < pairs; ++i) {
         Vec3 wo = random_direction(&random), wi = random_direction(&random);
         if (!transmits && wo.z * wi.z < 0) {
@@ -460,12 +483,18 @@ static inline void check_reciprocity(Bench *bench, const char *what, uint32_t ma
         double back = (double)material_eval(&b, material, wo).value.g / fabs(wo.z);
         double eta_i = wi.z > 0 ? eta_front : eta_back, eta_o = wo.z > 0 ? eta_front : eta_back;
         found += there > 0;
-        if (!near_relative(there * eta_i * eta_i, back * eta_o * eta_o, 1e-5) &&
-            fabs(there - back) > 1e-12) {
+        const double off = fabs(there - back) > 1e-12
+                               ? relative_difference(there * eta_i * eta_i, back * eta_o * eta_o)
+                               : 0;
+        if (!(off <= 1e-5)) {
             fail_msg("%s: f = %.9g there and %.9g back, wo.z %g, wi.z %g", what, there, back, wo.z,
                      wi.z);
         }
+        worst = fmax(worst, off);
     }
+    char name[64];
+    snprintf(name, sizeof name, "18 %s, reciprocity, relative", what);
+    assert_true(trust_at_most(name, 1e-5, worst));
     assert_true(found > pairs / 100);
 }
 
@@ -504,6 +533,7 @@ static inline Rgb albedo_by_sampling(Bench *bench, uint32_t material, Vec3 wo, i
 static inline void check_energy(Bench *bench, const char *what, uint32_t material, double least,
                                 int samples)
 {
+    double most = -INFINITY;
     for (double theta = 0; theta < 90; theta += 5.97) {
         for (int back = 0; back < 2; ++back) {
             Vec3 wo = direction(theta, 30);
@@ -514,8 +544,12 @@ static inline void check_energy(Bench *bench, const char *what, uint32_t materia
                 (double)albedo.g < least - 3 * error) {
                 fail_msg("%s at %g degrees: albedo %g +- %g", what, theta, (double)albedo.g, error);
             }
+            most = fmax(most, (double)rgb_max(albedo) - 3 * error);
         }
     }
+    char name[64];
+    snprintf(name, sizeof name, "19 %s, albedo less 3 errors, the most", what);
+    assert_true(trust_at_most(name, 1 + 1e-4, most));
 }
 
 #endif

@@ -1,4 +1,5 @@
 // The Fresnel formulas, Snell's law, and reference check 23.
+#include "../../trust.h"
 #include "../test_support.h"
 #include "base/fresnel.h"
 
@@ -20,10 +21,14 @@ static double degrees(double x)
 static void known_values(void **state)
 {
     (void)state;
-    assert_near(fresnel_dielectric(1, 1.5, NULL), 0.04, 1e-12);
-    assert_near(fresnel_dielectric(cos(degrees(45)), 1.5, NULL), 0.0502399, 5e-8);
-    assert_near(fresnel_dielectric(cos(atan(1.5)), 1.5, NULL), 0.0739645, 5e-8);
-    assert_near(fresnel_dielectric(cos(degrees(75)), 1.5, NULL), 0.2530606, 5e-8);
+    assert_true(
+        trust_near("23 Fresnel 1.5, 0 degrees", 0.04, fresnel_dielectric(1, 1.5, NULL), 1e-12));
+    assert_true(trust_near("23 Fresnel 1.5, 45 degrees", 0.0502399,
+                           fresnel_dielectric(cos(degrees(45)), 1.5, NULL), 5e-8));
+    assert_true(trust_near("23 Fresnel 1.5, Brewster's angle", 0.0739645,
+                           fresnel_dielectric(cos(atan(1.5)), 1.5, NULL), 5e-8));
+    assert_true(trust_near("23 Fresnel 1.5, 75 degrees", 0.2530606,
+                           fresnel_dielectric(cos(degrees(75)), 1.5, NULL), 5e-8));
     assert_near(fresnel_dielectric(0, 1.5, NULL), 1, 1e-12);
     // Nothing there: nothing reflected, at any angle.
     for (double c = 0; c <= 1; c += 0.125) {
@@ -31,8 +36,13 @@ static void known_values(void **state)
         assert_near(fresnel_dielectric_schlick(c, 1, NULL), 0, 1e-15);
     }
     // The critical angle.
-    double critical = asin(1 / 1.5);
-    assert_near(critical, degrees(41.8103), 1e-6);
+    double critical = asin(1 / 1.5), inside = 0, outside = PI / 2;
+    for (int i = 0; i < 60; ++i) { // where all is reflected from, by bisection
+        const double middle = (inside + outside) / 2;
+        *(fresnel_dielectric(cos(middle), 1 / 1.5, NULL) < 1 ? &inside : &outside) = middle;
+    }
+    assert_true(
+        trust_near("23 Fresnel 1.5, critical angle in degrees", 41.8103, inside * 180 / PI, 5e-5));
     assert_true(fresnel_dielectric(cos(critical - 1e-6), 1 / 1.5, NULL) < 1);
     assert_true(fresnel_dielectric(cos(critical + 1e-6), 1 / 1.5, NULL) == 1);
     assert_true(fresnel_dielectric_schlick(cos(critical + 1e-6), 1 / 1.5, NULL) == 1);
@@ -118,8 +128,10 @@ static double mean_by_quadrature(double eta)
 static void means(void **state)
 {
     (void)state;
-    assert_near(fresnel_dielectric_mean(1.5), 0.0917780, 5e-8);
-    assert_near(fresnel_dielectric_mean(1 / 1.5), 0.5963458, 5e-8);
+    assert_true(trust_near("23 Fresnel 1.5, cosine average from outside", 0.0917780,
+                           fresnel_dielectric_mean(1.5), 5e-8));
+    assert_true(trust_near("23 Fresnel 1.5, cosine average from inside", 0.5963458,
+                           fresnel_dielectric_mean(1 / 1.5), 5e-8));
     static const double ETA[] = {1.0001, 1.02, 1.33, 2.42, 7, 1 / 1.33, 0.3};
     for (size_t i = 0; i < TEST_COUNT(ETA); ++i) {
         assert_near(fresnel_dielectric_mean(ETA[i]), mean_by_quadrature(ETA[i]), 1e-6);
