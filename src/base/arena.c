@@ -33,9 +33,17 @@ static bool add_block(Arena *arena, size_t size)
     if (arena->limit && (wanted > arena->limit || arena->reserved > arena->limit - wanted)) {
         return false;
     }
+    ArenaFamily *family = arena->family;
+    if (family && (wanted > family->limit || family->reserved > family->limit - wanted)) {
+        family->refused = true;
+        return false;
+    }
     ArenaBlock *block = mem_alloc(1, wanted);
     if (!block) {
         return false;
+    }
+    if (family) {
+        family->reserved += wanted;
     }
     block->before = arena->last;
     block->size = wanted;
@@ -111,6 +119,9 @@ void arena_rewind(Arena *arena, ArenaMark mark)
     while (arena->last != mark.last) {
         ArenaBlock *before = arena->last->before;
         arena->reserved -= arena->last->size;
+        if (arena->family) {
+            arena->family->reserved -= arena->last->size;
+        }
         mem_free(arena->last);
         arena->last = before;
     }

@@ -10,13 +10,20 @@
 
 typedef struct ArenaBlock ArenaBlock;
 
+// Arenas that have a limit together.
+typedef struct ArenaFamily {
+    size_t reserved, limit; // bytes; no more than `limit` are reserved
+    bool refused;           // something was, for the limit's sake
+} ArenaFamily;
+
 typedef struct Arena {
-    ArenaBlock *last; // newest block; blocks are chained from new to old
-    char *next, *end; // free part of the newest block
-    size_t reserved;  // bytes taken from the system, all blocks together
-    size_t limit;     // no more than this many bytes are reserved; 0 = no limit
-    jmp_buf *on_oom;  // where arena_alloc jumps (with value 1) when memory runs out; NULL: it
-                      // returns NULL instead. Not owned.
+    ArenaBlock *last;    // newest block; blocks are chained from new to old
+    char *next, *end;    // free part of the newest block
+    size_t reserved;     // bytes taken from the system, all blocks together
+    size_t limit;        // no more than this many bytes are reserved; 0 = no limit
+    ArenaFamily *family; // not owned; NULL: none
+    jmp_buf *on_oom;     // where arena_alloc jumps (with value 1) when memory runs out; NULL: it
+                         // returns NULL instead. Not owned.
 } Arena;
 
 typedef struct ArenaMark {

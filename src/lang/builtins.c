@@ -144,7 +144,7 @@ bool arg_list(Call *call, uint32_t i, Value *out)
         arg_wrong(call, i, "a list");
         return false;
     }
-    return true;
+    return count_values(call->ev, out->count, call->at); // whoever asks will walk through it
 }
 
 bool arg_function(Call *call, uint32_t i)

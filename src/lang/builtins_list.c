@@ -30,6 +30,9 @@ Value builtin_len(Call *call)
 {
     Value v = call->args[0];
     if (v.type == VALUE_STRING) {
+        if (!count_steps(call->ev, v.count / BYTES_A_STEP, call->at)) {
+            return value_error();
+        }
         double count = 0;
         const char *at = v.string, *end = at + v.count;
         for (uint32_t code; at < end; ++count) {
@@ -37,7 +40,10 @@ Value builtin_len(Call *call)
         }
         return value_number(count, DIM_NONE);
     }
-    return arg_list(call, 0, &v) ? value_number(v.count, DIM_NONE) : value_error();
+    if (v.type != VALUE_LIST && v.type != VALUE_RANGE) {
+        return arg_wrong(call, 0, "a list");
+    }
+    return value_number(v.count, DIM_NONE);
 }
 
 Value builtin_sum(Call *call)
@@ -77,6 +83,9 @@ Value builtin_range(Call *call)
     // A last step that misses the end by rounding only would reach it.
     double count = fmax(0, ceil((x[1] - x[0]) / x[2] - 1e-9));
     if (!check_length(call, count)) {
+        return value_error();
+    }
+    if (!count_values(call->ev, (uint64_t)count, call->at)) {
         return value_error();
     }
     Value *items = new_items(call, (uint32_t)count);
@@ -123,14 +132,16 @@ Value builtin_sort(Call *call)
         return value_error();
     }
     uint32_t count = list.count;
+    uint64_t bytes = 0; // of all keys that are strings
     Value *items = new_items(call, count), *keys = new_items(call, count);
     for (uint32_t i = 0; i < count; ++i) {
         items[i] = sequence_item(list, i);
         keys[i] = call->count > 1 ? call_value(call->ev, call->args[1], &items[i], 1, call->at)
                                   : items[i];
-        if (is_error(keys[i])) {
+        if (is_error(keys[i]) || !count_comparison(call->ev, keys[i], keys[i], call->at)) {
             return value_error();
         }
+        bytes += keys[i].type == VALUE_STRING ? keys[i].count : 0;
         if (compare_values(keys[0], keys[i]) == 2) {
             return arg_wrong(call, 0,
                              call->count > 1
@@ -140,6 +151,10 @@ Value builtin_sort(Call *call)
     }
     Value *spare_items = new_items(call, count), *spare_keys = new_items(call, count);
     for (uint64_t width = 1; width < count; width *= 2) {
+        if (!count_values(call->ev, count, call->at) ||
+            !count_steps(call->ev, bytes / BYTES_A_STEP, call->at)) {
+            return value_error();
+        }
         for (uint64_t begin = 0; begin + width < count; begin += 2 * width) {
             uint64_t end = begin + 2 * width < count ? begin + 2 * width : count;
             merge(keys, items, spare_keys, spare_items, (uint32_t)begin, (uint32_t)(begin + width),
@@ -250,7 +265,7 @@ Value builtin_zip(Call *call)
 
 static TextBuffer join(Call *call, const char *between)
 {
-    TextBuffer text = {0};
+    TextBuffer text = {.at = call->at};
     for (uint32_t i = 0; i < call->count; ++i) {
         text_add(call->ev, &text, "%s", i ? between : "");
         text_add_value(call->ev, &text, call->args[i], false);
@@ -261,6 +276,9 @@ static TextBuffer join(Call *call, const char *between)
 Value builtin_str(Call *call)
 {
     TextBuffer text = join(call, "");
+    if (call->ev->stop || !count_steps(call->ev, text.length / BYTES_A_STEP, call->at)) {
+        return value_error();
+    }
     return make_string(call->ev, (Str){text.text, text.length},
                        call->env ? call->env->module->number : 0);
 }
@@ -268,7 +286,7 @@ Value builtin_str(Call *call)
 Value builtin_print(Call *call)
 {
     TextBuffer text = join(call, " ");
-    if (call->ev->lang->print_to) {
+    if (call->ev->lang->print_to && !call->ev->stop) {
         fprintf(call->ev->lang->print_to, "%s\n", text.text);
     }
     return value_nothing();

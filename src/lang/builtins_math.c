@@ -113,6 +113,9 @@ static Value extreme(Call *call, double sign)
         return value_error();
     }
     count = is_list ? list.count : count;
+    if (!count_values(call->ev, count, call->at)) {
+        return value_error();
+    }
     Value best = {0};
     for (uint32_t i = 0; i < count; ++i) {
         Value v = is_list ? sequence_item(list, i) : items[i];

@@ -277,20 +277,24 @@ Value builtin_matrix(Call *call)
 
 // --- Bounds ----------------------------------------------------------------------------------
 
-typedef enum BoundsResult { BOUNDS_GOOD, BOUNDS_UNKNOWN, BOUNDS_DEEP } BoundsResult;
+typedef enum BoundsResult { BOUNDS_GOOD, BOUNDS_UNKNOWN, BOUNDS_DEEP, BOUNDS_STOPPED } BoundsResult;
 
-static BoundsResult add_bounds(Eval *ev, const NodeValue *node, const Affine *outer, Box3 *box)
+static BoundsResult add_bounds(Eval *ev, const NodeValue *node, const Affine *outer, Box3 *box,
+                               Span at)
 {
     const NodeType *type = ev->kinds[node->type].type;
     if (stack_is_deep(ev)) {
         return BOUNDS_DEEP;
     }
+    if (!count_step(ev, at)) {
+        return BOUNDS_STOPPED;
+    }
     Affine map = node->transform ? affine_multiply(outer, node->transform) : *outer;
     if (type->role == ROLE_INSTANCE) {
-        return add_bounds(ev, node->of, &map, box);
+        return add_bounds(ev, node->of, &map, box, at);
     }
     for (uint32_t i = 0; type->role == ROLE_GROUP && i < node->item_count; ++i) {
-        BoundsResult result = add_bounds(ev, node->items[i].node, &map, box);
+        BoundsResult result = add_bounds(ev, node->items[i].node, &map, box, at);
         if (result != BOUNDS_GOOD) {
             return result;
         }
@@ -362,7 +366,10 @@ Value builtin_bounds(Call *call)
     }
     Affine identity = affine_identity();
     Box3 box = box3_empty();
-    BoundsResult result = add_bounds(ev, v.node, &identity, &box);
+    BoundsResult result = add_bounds(ev, v.node, &identity, &box, call->at);
+    if (result == BOUNDS_STOPPED) {
+        return value_error();
+    }
     if (result == BOUNDS_DEEP) {
         report_deep_stack(ev, call->at);
         return value_error();
@@ -381,6 +388,9 @@ Value builtin_bounds(Call *call)
 Value builtin_noise(Call *call)
 {
     Value v = call->args[0];
+    if (!count_step(call->ev, call->at)) {
+        return value_error();
+    }
     if (is_bare(v)) {
         return value_number(noise3(vec3(v.number, 0, 0)), DIM_NONE);
     }
@@ -399,8 +409,8 @@ static uint64_t hash_double(uint64_t hash, double number)
     return hash_u64(hash ^ bits);
 }
 
-// False for values that have no content to hash.
-static bool hash_value(Eval *ev, Value v, uint64_t *hash)
+// False for values that have no content to hash, and when the limit of steps is crossed.
+static bool hash_value(Eval *ev, Value v, Span at, uint64_t *hash)
 {
     *hash = hash_u64(*hash ^ ((uint64_t)v.type << 8 | v.dim));
     switch ((ValueType)v.type) {
@@ -411,6 +421,9 @@ static bool hash_value(Eval *ev, Value v, uint64_t *hash)
         *hash = hash_u64(*hash ^ v.boolean);
         return true;
     case VALUE_STRING:
+        if (!count_steps(ev, v.count / BYTES_A_STEP, at)) {
+            return false;
+        }
         for (uint32_t i = 0; i < v.count; ++i) {
             *hash = hash_u64(*hash ^ (unsigned char)v.string[i]);
         }
@@ -423,7 +436,7 @@ static bool hash_value(Eval *ev, Value v, uint64_t *hash)
         return true;
     case VALUE_LIST:
         for (uint32_t i = 0; i < v.count; ++i) {
-            if (stack_is_deep(ev) || !hash_value(ev, v.items[i], hash)) {
+            if (stack_is_deep(ev) || !count_step(ev, at) || !hash_value(ev, v.items[i], at, hash)) {
                 return false;
             }
         }
@@ -437,8 +450,10 @@ Value builtin_random(Call *call)
 {
     uint64_t hash = call->count;
     for (uint32_t i = 0; i < call->count; ++i) {
-        if (!hash_value(call->ev, call->args[i], &hash)) {
-            return arg_wrong(call, i, "numbers, strings, vectors, colors or lists of them");
+        if (!hash_value(call->ev, call->args[i], call->at, &hash)) {
+            return call->ev->stop
+                       ? value_error()
+                       : arg_wrong(call, i, "numbers, strings, vectors, colors or lists of them");
         }
     }
     return value_number((double)(hash >> 11) * 0x1p-53, DIM_NONE);

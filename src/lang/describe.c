@@ -194,6 +194,9 @@ static void add_components(Eval *ev, TextBuffer *out, Value v)
 
 static void add_string(Eval *ev, TextBuffer *out, Value v, bool quoted)
 {
+    if (!count_steps(ev, v.count / (quoted ? 1 : BYTES_A_STEP), out->at)) {
+        return;
+    }
     if (!quoted) {
         text_add(ev, out, "%.*s", (int)(v.count < 0x7fffffff ? v.count : 0x7fffffff), v.string);
         return;
@@ -211,7 +214,7 @@ static void add_string(Eval *ev, TextBuffer *out, Value v, bool quoted)
 static void add_list(Eval *ev, TextBuffer *out, Value v)
 {
     text_add(ev, out, "[");
-    for (uint32_t i = 0; i < v.count; ++i) {
+    for (uint32_t i = 0; i < v.count && !ev->stop; ++i) {
         text_add(ev, out, i ? ", " : "");
         text_add_value(ev, out, v.items[i], true);
     }
@@ -249,6 +252,9 @@ static void add_transform_text(Eval *ev, TextBuffer *out, const Affine *map)
 
 void text_add_value(Eval *ev, TextBuffer *out, Value v, bool quoted)
 {
+    if (!count_step(ev, out->at)) {
+        return;
+    }
     if (stack_is_deep(ev)) {
         text_add(ev, out, "…");
         return;

@@ -329,6 +329,9 @@ static void emit_group(Eval *ev, const NodeValue *node)
 
 void emit_node(Eval *ev, const NodeValue *node)
 {
+    if (!count_steps(ev, 1 + node->name.length / BYTES_A_STEP, node->at)) {
+        return;
+    }
     const NodeType *type = ev->kinds[node->type].type;
     bool is_part = type->role == ROLE_INSTANCE || type->category == CATEGORY_LIGHT ||
                    type->category == CATEGORY_CAMERA;

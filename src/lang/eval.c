@@ -253,6 +253,7 @@ static Value eval_list(Eval *ev, Env *env, AstId id)
         add_item(ev, env, words[1 + i], &maker);
     }
     Value v = pop_list(ev, maker.base);
+    maker.failed = maker.failed || !count_step(ev, env_span(env, id));
     return maker.failed ? value_error() : v;
 }
 

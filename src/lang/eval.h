@@ -150,6 +150,13 @@ typedef struct ConsSlot {
 
 typedef ARRAY(Value) ValueArray;
 
+// See parts.c.
+typedef struct NodeParts {
+    uint64_t parts; // nodes that are walked through, those met again counted again
+    uint32_t depth;
+} NodeParts;
+typedef ARRAY(NodeParts) NodePartsArray;
+
 struct Eval {
     Lang *lang;
     Interner *names;
@@ -157,6 +164,7 @@ struct Eval {
     Scene *scene;
     Arena *arena; // regions[region]
     Arena regions[REGION_COUNT];
+    ArenaFamily memory; // of the regions together
     uint32_t region;
     Stop stop;
     uint64_t serial, oldest_forced;
@@ -174,9 +182,10 @@ struct Eval {
     uint32_t symbol_count;
     Interner strings; // texts kept in the scene
     ConsSlot *consed_nodes, *consed_transforms;
-    uint64_t *settings_used; // bits
-    int texture_math;        // type, or -1
-    int group_type;          // type of role GROUP, or -1
+    NodePartsArray material_parts, texture_parts; // by scene id
+    uint64_t *settings_used;                      // bits
+    int texture_math;                             // type, or -1
+    int group_type;                               // type of role GROUP, or -1
     Symbol symbol_items, symbol_of;
     jmp_buf on_oom;
 };
@@ -227,8 +236,20 @@ bool report_deep_stack(Eval *ev, Span at);
 void stop_evaluation(Eval *ev, Stop stop);
 // After a statement: goes on with the next, unless the run is over.
 bool go_on(Eval *ev);
-// Counts a call or an iteration; false when the limit is crossed or the run is to stop.
-bool count_step(Eval *ev, Span at);
+// Counts calls, iterations, items that are emitted, and work of a like cost (below); false when the
+// limit is crossed or the run is to stop.
+bool count_steps(Eval *ev, uint64_t steps, Span at);
+static inline bool count_step(Eval *ev, Span at)
+{
+    return count_steps(ev, 1, at);
+}
+// Of a loop over values, and one over bytes, inside of the evaluator: so that nothing that a text
+// of three lines can ask for runs for hours without a step.
+enum { VALUES_A_STEP = 4, BYTES_A_STEP = 32 };
+static inline bool count_values(Eval *ev, uint64_t count, Span at)
+{
+    return count_steps(ev, count / VALUES_A_STEP + 1, at);
+}
 // "did you mean": the nearest of the names to `name`, kept in *best with its distance in
 // *distance (begin with SIZE_MAX).
 void suggest_name(Str name, Str candidate, Str *best, size_t *distance);
@@ -305,6 +326,8 @@ Value make_string(Eval *ev, Str text, uint32_t module);
 Value add_values(Eval *ev, Value a, Value b, Span at);
 // -1, 0, 1; or 2 where they can't be ordered.
 int compare_values(Value a, Value b);
+// The steps of comparing these, where they are long strings; false as count_steps.
+bool count_comparison(Eval *ev, Value a, Value b, Span at);
 // `a op b` for == != < <= > >=: a bool, or an error.
 Value compare_operands(Eval *ev, Operator op, Value a, Value b, Span at);
 bool values_equal(Eval *ev, Value a, Value b, Span at);
@@ -319,6 +342,7 @@ enum { DESCRIBE_SIZE = 160 };
 typedef struct TextBuffer {
     char *text;
     size_t length, capacity;
+    Span at; // for the report that a list is too much to be written
 } TextBuffer;
 void text_add(Eval *ev, TextBuffer *out, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -374,6 +398,9 @@ Value eval_with(Eval *ev, Env *env, AstId id);
 // The id of a material, texture, falloff, …; puts it into the scene on first need. Equal ones are
 // shared.
 uint32_t node_scene_id(Eval *ev, NodeValue *node);
+// parts.c: measures a material or texture that was put into the scene; reports one that is too
+// much.
+void count_parts(Eval *ev, const NodeValue *node, uint32_t id);
 // A texture made by arithmetic; op is "add", "subtract" or "multiply".
 Value texture_arithmetic(Eval *ev, const char *op, Value a, Value b, Where where);
 // The parameter struct with a kind's defaults.

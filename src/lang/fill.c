@@ -444,6 +444,9 @@ static bool store(Eval *ev, NodeValue *node, const Param *param, void *out, Valu
         if (v.type != VALUE_STRING) {
             return wrong_type(ev, param, v, where);
         }
+        if (!count_steps(ev, v.count / BYTES_A_STEP, where_span(where))) {
+            return false;
+        }
         *(const char **)out = keep_string(ev, (Str){v.string, v.count});
         return true;
     case PARAM_CHOICE:
@@ -472,7 +475,13 @@ static bool multiply_transforms(Eval *ev, Value v, Where where, Affine *product)
         *product = affine_multiply(v.transform, product);
         return true;
     }
-    if (v.type == VALUE_LIST && !stack_is_deep(ev)) {
+    if (v.type == VALUE_LIST && stack_is_deep(ev)) {
+        return report_deep_stack(ev, where_span(where));
+    }
+    if (v.type == VALUE_LIST) {
+        if (!count_values(ev, v.count, where_span(where))) {
+            return false;
+        }
         for (uint32_t i = 0; i < v.count; ++i) {
             if (!multiply_transforms(ev, v.items[i], where, product)) {
                 return false;

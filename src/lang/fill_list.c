@@ -100,6 +100,9 @@ static bool fill_strings(Eval *ev, const Param *param, StringList *out, Value v,
         if (item.type != VALUE_STRING) {
             return wrong_item(ev, param, item, i, "strings", where);
         }
+        if (!count_steps(ev, item.count / BYTES_A_STEP, where_span(where))) {
+            return false;
+        }
         out->items[i] = keep_string(ev, (Str){item.string, item.count});
     }
     return true;
@@ -165,6 +168,9 @@ bool fill_list(Eval *ev, const Param *param, void *out, Value v, Where where)
 {
     if (v.type != VALUE_LIST && v.type != VALUE_RANGE) {
         return wrong_type(ev, param, v, where);
+    }
+    if (!count_values(ev, v.count, where_span(where))) {
+        return false;
     }
     switch (param->type) {
     case PARAM_NUMBER_LIST:

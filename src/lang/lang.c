@@ -114,9 +114,10 @@ Eval *eval_new(Lang *lang, Scene *scene, uintptr_t floor)
     // What is left below holds the deepest thing that doesn't check for itself: a kind's `finish`,
     // which may load a mesh.
     ev->stack_floor = floor + (512 << 10);
+    ev->memory.limit = lang->limits.memory;
     for (int i = 0; i < REGION_COUNT; ++i) {
         ev->regions[i].on_oom = &ev->on_oom;
-        ev->regions[i].limit = lang->limits.memory;
+        ev->regions[i].family = &ev->memory;
     }
     ev->arena = &ev->regions[0];
     scene->arena.on_oom = &ev->on_oom;
@@ -130,6 +131,8 @@ void eval_free(Eval *ev)
     interner_free(&ev->strings);
     modules_free(ev);
     array_free(&ev->stack);
+    array_free(&ev->material_parts);
+    array_free(&ev->texture_parts);
     for (int i = 0; i < REGION_COUNT; ++i) {
         arena_free(&ev->regions[i]);
     }
@@ -138,12 +141,8 @@ void eval_free(Eval *ev)
 
 void report_full(Eval *ev)
 {
-    size_t used = 0;
-    for (int i = 0; i < REGION_COUNT; ++i) {
-        used += ev->regions[i].reserved;
-    }
     ev->calls = NULL;
-    if (used + (4 << 20) > ev->lang->limits.memory) {
+    if (ev->memory.refused) {
         Diag *diag = diag_report(ev->sink, E0709, (Span){0},
                                  "evaluation needs more than %llu bytes of memory",
                                  (unsigned long long)ev->lang->limits.memory);

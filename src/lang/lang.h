@@ -12,17 +12,19 @@
 #include <stdatomic.h>
 #include <stdio.h>
 
-// LIMIT(id, default, text): each can be raised on the command line with --limit id=N.
+// LIMIT(id, default, text): each can be raised on the command line with --limit id=N. The defaults
+// stop a scene that runs away within about a second and 1 GiB.
 #define LIMITS(LIMIT)                                                                              \
     LIMIT(nesting, 200, "levels of nested expressions and blocks")                                 \
     LIMIT(call_depth, 1000, "nested function calls")                                               \
     LIMIT(import_depth, 32, "nested imports")                                                      \
     LIMIT(file_bytes, 1 << 30, "bytes of one scene file")                                          \
-    LIMIT(list_length, 100000000, "items of one list or range")                                    \
-    LIMIT(objects, 100000000, "emitted shapes, lights and instances")                              \
-    LIMIT(steps, 20000000000, "evaluated expressions")                                             \
-    LIMIT(pixels, 1 << 30, "pixels of a picture")                                                  \
-    LIMIT(memory, (uint64_t)1 << 36, "bytes of memory of the evaluator")                           \
+    LIMIT(list_length, 10000000, "items of one list or range")                                     \
+    LIMIT(objects, 10000000, "emitted shapes, lights and instances")                               \
+    LIMIT(steps, 10000000, "calls, iterations and emitted items")                                  \
+    LIMIT(parts, 10000, "parts of one material or texture")                                        \
+    LIMIT(pixels, 1 << 26, "pixels of a picture")                                                  \
+    LIMIT(memory, 1 << 30, "bytes of memory of the evaluator")                                     \
     LIMIT(diagnostics, 100, "diagnostics shown")
 
 typedef struct Limits {

@@ -123,6 +123,9 @@ static bool fill_items(Eval *ev, NodeValue *node, Value v, Where where)
                describe_value(ev, v, found, sizeof found));
         return false;
     }
+    if (!count_values(ev, v.count, where_span(where))) {
+        return false;
+    }
     for (uint32_t i = 0; i < v.count; ++i) {
         if (!is_item(ev, v.items[i])) {
             report(ev, E0401, where_span(where),
@@ -170,6 +173,9 @@ static bool fill_common(Eval *ev, NodeValue *node, CommonField field, Value v, W
         break;
     case COMMON_NAME:
         if (v.type == VALUE_STRING) {
+            if (!count_steps(ev, v.count / BYTES_A_STEP, where_span(where))) {
+                return false;
+            }
             node->name = (Str){v.string, v.count};
             return true;
         }
@@ -267,6 +273,9 @@ bool build_node(Eval *ev, Env *env, AstId id, NodeValue *out, bool keep_raw)
     }
     Span at = env_span(env, id);
     at.end = at.begin + (uint32_t)symbol_name(ev->names, node->a).length;
+    if (!count_step(ev, at)) {
+        return false;
+    }
     begin_node(ev, out, type, defaults, at);
     const uint32_t *words = env_words(env, node->b);
     bool good = true;
@@ -293,8 +302,8 @@ Value eval_with(Eval *ev, Env *env, AstId id)
 {
     const AstNode *node = env_node(env, id);
     Value v = eval(ev, env, node->a);
-    if (is_error(v)) {
-        return v;
+    if (is_error(v) || !count_step(ev, env_span(env, id))) {
+        return value_error();
     }
     if (v.type != VALUE_NODE) {
         char found[DESCRIBE_SIZE];
@@ -365,6 +374,7 @@ uint32_t node_scene_id(Eval *ev, NodeValue *node)
         out_of_memory(ev);
     }
     *slot = (ConsSlot){hash, id, (uint16_t)(node->type + 1)};
+    count_parts(ev, node, id);
     return node->scene_id = id;
 }
 

@@ -206,9 +206,12 @@ static bool has_components(Value v)
     return v.type == VALUE_VECTOR || v.type == VALUE_COLOR;
 }
 
-static Value join_strings(Eval *ev, Value a, Value b)
+static Value join_strings(Eval *ev, Value a, Value b, Span at)
 {
     size_t length = (size_t)a.count + b.count;
+    if (!count_steps(ev, length / BYTES_A_STEP, at)) {
+        return value_error();
+    }
     char *text = arena_alloc(ev->arena, length + 1);
     memcpy(text, a.string, a.count);
     memcpy(text + a.count, b.string, b.count);
@@ -231,7 +234,7 @@ static Value arithmetic(Eval *ev, Operator op, Value a, Value b, Where where)
         return component_operation(ev, op, a, b, at);
     }
     if (op == OP_ADD && a.type == VALUE_STRING && b.type == VALUE_STRING) {
-        return join_strings(ev, a, b);
+        return join_strings(ev, a, b, at);
     }
     if (a.type == VALUE_MEASURE || b.type == VALUE_MEASURE) {
         return measure_arithmetic(ev, op, a, b, at);
@@ -271,9 +274,17 @@ int compare_values(Value a, Value b)
     return 2;
 }
 
+bool count_comparison(Eval *ev, Value a, Value b, Span at)
+{
+    bool strings = a.type == VALUE_STRING && b.type == VALUE_STRING;
+    uint32_t shorter = a.count < b.count ? a.count : b.count;
+    return !strings || count_steps(ev, shorter / BYTES_A_STEP, at);
+}
+
 static bool sequences_equal(Eval *ev, Value a, Value b, Span at)
 {
-    if (a.count != b.count || (stack_is_deep(ev) && !report_deep_stack(ev, at))) {
+    if (a.count != b.count || (stack_is_deep(ev) && !report_deep_stack(ev, at)) ||
+        !count_values(ev, a.count, at)) {
         return false;
     }
     for (uint32_t i = 0; i < a.count; ++i) {
@@ -309,7 +320,7 @@ bool values_equal(Eval *ev, Value a, Value b, Span at)
     case VALUE_NODE:
         return a.node == b.node;
     default:
-        return compare_values(a, b) == 0;
+        return count_comparison(ev, a, b, at) && compare_values(a, b) == 0;
     }
 }
 
@@ -328,11 +339,15 @@ static Value equality(Eval *ev, Operator op, Value a, Value b, Span at)
     if (a.dim != b.dim) {
         return wrong_dims(ev, op, a, b, at);
     }
-    return value_bool(values_equal(ev, a, b, at) == (op == OP_EQUAL));
+    bool equal = values_equal(ev, a, b, at);
+    return ev->stop ? value_error() : value_bool(equal == (op == OP_EQUAL));
 }
 
 static Value ordering(Eval *ev, Operator op, Value a, Value b, Span at)
 {
+    if (!count_comparison(ev, a, b, at)) {
+        return value_error();
+    }
     int order = compare_values(a, b);
     if (order == 2) {
         return a.type == VALUE_NUMBER && b.type == VALUE_NUMBER ? wrong_dims(ev, op, a, b, at)

@@ -34,6 +34,8 @@ static void add_calls(Eval *ev, Diag *diag)
     }
 }
 
+enum { STEPS_A_REPORT = 32 };
+
 Diag *report(Eval *ev, DiagCode code, Span at, const char *format, ...)
 {
     char text[1024];
@@ -41,6 +43,8 @@ Diag *report(Eval *ev, DiagCode code, Span at, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    ev->steps +=
+        STEPS_A_REPORT; // a loop may make the same one, which is kept once, again and again
     uint32_t before = ev->sink->count;
     Diag *diag = diag_report(ev->sink, code, at, "%s", text);
     if (ev->sink->count != before) { // else it is not kept
@@ -71,7 +75,7 @@ bool report_deep_stack(Eval *ev, Span at)
     return false;
 }
 
-bool count_step(Eval *ev, Span at)
+bool count_steps(Eval *ev, uint64_t steps, Span at)
 {
     if (ev->stop) {
         return false;
@@ -80,7 +84,8 @@ bool count_step(Eval *ev, Span at)
         stop_evaluation(ev, STOP_RUN);
         return false;
     }
-    if (++ev->steps > ev->lang->limits.steps) {
+    ev->steps += steps;
+    if (ev->steps > ev->lang->limits.steps) {
         Diag *diag = report(ev, E0708, at, "more than %llu steps",
                             (unsigned long long)ev->lang->limits.steps);
         diag_note(ev->sink, diag, "--limit steps=N raises this");

@@ -12,7 +12,7 @@ typedef enum TextureFilter { FILTER_BILINEAR, FILTER_NEAREST } TextureFilter;
 typedef enum TextureWrap { WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR, WRAP_BLACK } TextureWrap;
 
 // Most pixels of one picture.
-#define TEXTURE_MAX_PIXELS ((int64_t)1 << 28)
+#define TEXTURE_MAX_PIXELS ((int64_t)1 << 27)
 
 typedef struct TextureImage {
     int width, height;

@@ -276,6 +276,21 @@ static bool import(Scene *scene, ModuleContext *module, MeshModuleImport *run, c
     return false;
 }
 
+// A binary glTF file whose first chunk is longer than the file; assimp would make room for it all.
+static bool is_cut_glb(const FileBytes *file)
+{
+    const unsigned char *bytes = (const unsigned char *)file->bytes;
+    if (file->size < 4 || memcmp(bytes, "glTF", 4) != 0) {
+        return false;
+    }
+    if (file->size < 20) {
+        return true;
+    }
+    uint32_t length = (uint32_t)bytes[12] | (uint32_t)bytes[13] << 8 | (uint32_t)bytes[14] << 16 |
+                      (uint32_t)bytes[15] << 24;
+    return length > file->size - 20;
+}
+
 static MeshModuleImport *find_import(const Scene *scene, const char *path, MeshReport report)
 {
     char message[512];
@@ -298,6 +313,12 @@ static MeshModuleImport *find_import(const Scene *scene, const char *path, MeshR
 static bool load_with_module(Scene *scene, const char *path, const FileBytes *file, bool smooth,
                              MeshReport report, Mesh *mesh)
 {
+    if (is_cut_glb(file)) {
+        diag_report(report.sink, E0851, report.at,
+                    "`%s` is damaged: its first chunk is longer than the file",
+                    shown_path(scene, path));
+        return false;
+    }
     MeshModuleImport *run = find_import(scene, path, report);
     if (!run) {
         return false;

@@ -58,12 +58,15 @@ static void the_stack_is_guarded(void **state)
     assert_non_null(strstr(f.diagnostics, "error[E0704]"));
     assert_non_null(strstr(f.diagnostics, "error[E0405]")); // the next statement is evaluated
     unload(&f);
-    f = load("let deep = fold(range(3000000), group {}, fn(inner, i) = group { items: [inner] })\n"
-             "deep\nball {}");
+    f = load_with(
+        "let deep = fold(range(1000000), group {}, fn(inner, i) = group { items: [inner] })"
+        "\ndeep\nball {}",
+        setup_with("steps=100000000"));
     assert_non_null(strstr(f.diagnostics, "error[E0704]"));
     unload(&f);
-    f = load("let deep = fold(range(3000000), [], fn(inner, i) = [inner])\n"
-             "print(deep == deep)\nprint(len(str(deep)) > 0)");
+    f = load_with("let deep = fold(range(3000000), [], fn(inner, i) = [inner])\n"
+                  "print(deep == deep)\nprint(len(str(deep)) > 0)",
+                  setup_with("steps=100000000"));
     assert_non_null(strstr(f.diagnostics, "error[E0704]"));
     unload(&f);
 }
@@ -71,7 +74,7 @@ static void the_stack_is_guarded(void **state)
 static void memory_is_limited(void **state)
 {
     (void)state;
-    Fixture f = load_with("let a = [for (i in 0..<100000000) (i, i, i)]\nprint(len(a))",
+    Fixture f = load_with("let a = [for (i in 0..<9000000) (i, i, i)]\nprint(len(a))",
                           setup_with("memory=50000000"));
     assert_non_null(strstr(f.diagnostics, "error[E0709]"));
     unload(&f);
