@@ -168,6 +168,34 @@ Diag *diag_report(DiagSink *sink, DiagCode code, Span at, const char *format, ..
     return diag;
 }
 
+DiagMark diag_mark(const DiagSink *sink)
+{
+    return (DiagMark){sink->count, sink->errors, sink->warnings, sink->dropped,
+                      sink->out_of_memory};
+}
+
+bool diag_is_since(const DiagSink *sink, DiagMark mark)
+{
+    return sink->count != mark.count || sink->errors != mark.errors ||
+           sink->warnings != mark.warnings || sink->dropped != mark.dropped ||
+           sink->out_of_memory != mark.out_of_memory;
+}
+
+void diag_rewind(DiagSink *sink, DiagMark mark)
+{
+    sink->count = mark.count;
+    sink->errors = mark.errors;
+    sink->warnings = mark.warnings;
+    sink->dropped = mark.dropped;
+    sink->out_of_memory = mark.out_of_memory;
+    if (sink->slots) {
+        memset(sink->slots, 0, ((size_t)sink->slot_mask + 1) * sizeof *sink->slots);
+    }
+    for (uint32_t i = 0; i < sink->count; ++i) {
+        sink->slots[find_slot(sink, sink->items[i].code, sink->items[i].at)] = i + 1;
+    }
+}
+
 void diag_label(DiagSink *sink, Diag *diag, const char *format, ...)
 {
     if (!diag_is_kept(sink, diag)) {

@@ -86,6 +86,14 @@ void diag_sink_free(DiagSink *sink);
 // and not counted. None of these functions uses the arena's jump.
 Diag *diag_report(DiagSink *sink, DiagCode code, Span at, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+// What was reported since a mark is forgotten by diag_rewind.
+typedef struct DiagMark {
+    uint32_t count, errors, warnings, dropped;
+    bool out_of_memory;
+} DiagMark;
+DiagMark diag_mark(const DiagSink *sink);
+bool diag_is_since(const DiagSink *sink, DiagMark mark); // whether anything was
+void diag_rewind(DiagSink *sink, DiagMark mark);
 // False for the spare one: then finding out what to suggest is lost time. (A mebibyte can hold half
 // a million errors.)
 bool diag_is_kept(const DiagSink *sink, const Diag *diag);

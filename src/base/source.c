@@ -8,16 +8,25 @@ void sources_init(Sources *sources, Arena *arena)
     *sources = (Sources){.arena = arena};
 }
 
+static void source_free(Source *source)
+{
+    mem_free(source->lines);
+    mem_free(source->marks);
+    if (source->release) {
+        source->release(source->text);
+    }
+}
+
+void sources_rewind(Sources *sources, uint32_t count)
+{
+    for (; sources->count > count; --sources->count) {
+        source_free(&sources->items[sources->count]);
+    }
+}
+
 void sources_free(Sources *sources)
 {
-    for (uint32_t i = 1; i <= sources->count; ++i) {
-        Source *source = &sources->items[i];
-        mem_free(source->lines);
-        mem_free(source->marks);
-        if (source->release) {
-            source->release(source->text);
-        }
-    }
+    sources_rewind(sources, 0);
     mem_free(sources->items);
     *sources = (Sources){0};
 }

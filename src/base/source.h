@@ -40,6 +40,8 @@ void sources_free(Sources *sources);
 // or be owned: then set items[number].release. The strings are copied.
 uint32_t sources_add(Sources *sources, const char *path, const char *real, Str text,
                      Span imported_at);
+// Forgets the sources beyond the first `count`.
+void sources_rewind(Sources *sources, uint32_t count);
 // NULL for 0 and for numbers that were never given.
 const Source *source_get(const Sources *sources, uint32_t file);
 // Where byte `offset` lies (beyond the end: the end). {0, 0} for an unknown file. An invalid byte

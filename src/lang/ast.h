@@ -169,4 +169,35 @@ static inline uint32_t ast_deepest(ParseLimits limits)
 bool parse(Ast *ast, const Sources *sources, uint32_t file, Interner *names, ParseLimits limits,
            bool keep_comments, DiagSink *sink);
 
+// Parsing bit by bit, so that items can be evaluated, and their nodes forgotten, while the rest of
+// the file is still text. Errors are reported as by parse(); nothing else may be done with *ast
+// meanwhile but to read it and to change its nodes.
+typedef struct Parser Parser;
+
+// NULL (E0001 is reported) without memory. To be given back with parser_free.
+Parser *parser_new(Ast *ast, const Sources *sources, uint32_t file, Interner *names,
+                   ParseLimits limits, DiagSink *sink);
+void parser_free(Parser *parser);
+// Whether items were read that are in the file.
+bool parser_has_items(const Parser *parser);
+// Reads the next item at the top of the file. 0 at the end of the file, and where it could not be
+// read, which was reported.
+AstId parser_read_item(Parser *parser);
+// Takes the item that was read last out of the file again, and forgets its nodes unless they are to
+// be kept.
+void parser_take_out(Parser *parser, bool keep_nodes);
+// Reads what is left, and makes ast->root of all items that were not taken out. False where memory
+// ran out, then or before.
+bool parser_finish(Parser *parser);
+bool parser_at_end(const Parser *parser);
+bool parser_is_out_of_memory(const Parser *parser);
+
+// Statements that repeat one another but for their numbers need to be read and resolved once (see
+// repeat.c). Of the item that parser_read_item has just read, which is a statement: true where it
+// may be repeated. Then its nodes are to be kept, once they are resolved.
+bool parser_learn(Parser *parser, AstId item);
+// Reads the next item where it repeats one that was learnt: that one's nodes with the numbers and
+// spans of this one. It is not in the file. Else 0, and nothing was read.
+AstId parser_repeat_item(Parser *parser);
+
 #endif

@@ -285,6 +285,11 @@ Value builtin_str(Call *call)
 
 Value builtin_print(Call *call)
 {
+    if (call->ev->early) { // what is printed can't be taken back
+        call->ev->refused = true;
+        stop_evaluation(call->ev, STOP_RUN);
+        return value_nothing();
+    }
     TextBuffer text = join(call, " ");
     if (call->ev->lang->print_to && !call->ev->stop) {
         fprintf(call->ev->lang->print_to, "%s\n", text.text);

@@ -45,6 +45,7 @@ struct Module {
     Ast ast;
     bool is_library;        // imported
     bool parsed;            // false while it is being read, for cycles
+    Parser *parser;         // while it is being read bit by bit; else NULL
     bool failed;            // could not be parsed: its names are unknown, and that was reported
     ARRAY(Global) globals;  // names of the file itself, by slot
     uint32_t *global_slots; // hash table of globals: slot + 1
@@ -65,6 +66,9 @@ typedef enum NameKind {
     NAME_CONSTANT,
     NAME_NAMESPACE,
 } NameKind;
+
+// LET.op and PARAM.op of what was resolved before the others.
+enum { ITEM_RESOLVED = 1 };
 
 // COLOR.op, once a is its place in Module.constants. What the parser left out of the tree never is.
 enum { COLOR_DECODED = 1 };
@@ -167,6 +171,8 @@ struct Eval {
     ArenaFamily memory; // of the regions together
     uint32_t region;
     Stop stop;
+    bool early;   // a statement was evaluated before all were read (see module_load_early)
+    bool refused; // that was no good
     uint64_t serial, oldest_forced;
     uintptr_t stack_floor;
     uint64_t steps, objects, measures;
@@ -274,11 +280,21 @@ static inline Value observe(Eval *ev, const Env *env, AstId item, Value v)
 
 // loading.c
 Module *module_load_text(Eval *ev, uint32_t file, bool is_library);
+Module *module_new(Eval *ev, uint32_t file, bool is_library);
+// Reads the imports of a module that was parsed.
+void load_imports(Eval *ev, Module *module);
+ParseLimits parse_limits(const Eval *ev);
 void modules_free(Eval *ev);
 // The slot of a name of the file itself, or -1.
 int64_t module_find(const Module *module, Symbol name);
 Span item_name_span(const Module *module, AstId item);
 Symbol item_symbol(const Module *module, AstId item);
+
+// early.c
+// Loads the scene's own file, as module_load_text does, and evaluates on the way statements whose
+// meaning doesn't depend on what follows. Sets ev->refused where that was no good: then all that
+// was done is to be forgotten, and the whole file to be read before anything is evaluated.
+Module *module_load_early(Eval *ev, uint32_t file);
 
 // resolve.c: names to slots, kinds and fields to numbers; reports what can be known without
 // running.

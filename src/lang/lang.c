@@ -98,6 +98,8 @@ typedef struct Run {
     Scene *scene;
     uint32_t file;
     FILE *params_to; // write the params as JSON, and nothing else
+    bool whole;      // the file is read before anything is evaluated
+    bool refused;    // that it isn't was no good
 } Run;
 
 Eval *eval_new(Lang *lang, Scene *scene, uintptr_t floor)
@@ -294,6 +296,16 @@ static bool any_failed(const Eval *ev)
     return false;
 }
 
+// What can be put into the scene but by items.
+static size_t count_nodes(const Scene *scene)
+{
+    size_t count = scene->transforms.count + scene->names.count;
+    for (int i = 0; i < CATEGORY_COUNT; ++i) {
+        count += scene->nodes[i].count;
+    }
+    return count;
+}
+
 static void evaluate(Eval *ev, const Run *run)
 {
     ev->consed_nodes = arena_alloc_zeroed(ev->arena, CONS_SLOTS * sizeof *ev->consed_nodes);
@@ -305,13 +317,18 @@ static void evaluate(Eval *ev, const Run *run)
     }
     ev->region = 1; // files; region 0 is never rewound
     ev->arena = &ev->regions[1];
-    Module *module = module_load_text(ev, run->file, false);
-    if (any_failed(ev)) {
+    Module *module =
+        run->whole ? module_load_text(ev, run->file, false) : module_load_early(ev, run->file);
+    if (ev->refused || any_failed(ev)) {
         return;
     }
-    size_t files = ev->modules.count;
+    const size_t files = ev->modules.count, nodes = count_nodes(ev->scene);
     for (size_t i = 0; i < files; ++i) {
         force_globals(ev, ev->modules.items[i], AST_PARAM);
+    }
+    ev->refused = ev->early && (ev->refused || count_nodes(ev->scene) != nodes);
+    if (ev->refused) {
+        return; // what params bring comes before what statements do
     }
     check_settings(ev, module);
     if (run->params_to) {
@@ -323,6 +340,9 @@ static void evaluate(Eval *ev, const Run *run)
     }
     emit_file(ev, module);
     force_globals(ev, module, AST_LET);
+    if (ev->refused) {
+        return;
+    }
     keep_params(ev, module);
     if (ev->lang->bindings) {
         keep_bindings(ev, module);
@@ -340,7 +360,8 @@ static void evaluate(Eval *ev, const Run *run)
 
 static void run_on_stack(void *context, uintptr_t floor)
 {
-    const Run *run = context;
+    Run *run = context;
+    const uint32_t errors = run->lang->sink.errors;
     Eval *ev = eval_new(run->lang, run->scene, floor);
     if (!ev) {
         report_no_memory(run->lang);
@@ -351,7 +372,34 @@ static void run_on_stack(void *context, uintptr_t floor)
     } else {
         report_full(ev);
     }
+    run->refused = ev->refused || (ev->early && ev->sink->errors != errors);
     eval_free(ev);
+}
+
+// First with statements evaluated as they are read and, where that may not be right, anew.
+static void run_twice(Run *run)
+{
+    Lang *lang = run->lang;
+    const DiagMark mark = diag_mark(&lang->sink);
+    const uint32_t sources = lang->sources.count;
+    const uint_least64_t content = lang->sandbox ? atomic_load(&lang->sandbox->content_hash) : 0;
+    // Who watches would see the first try, and params are written but once.
+    run->whole = lang->whole || lang->observed || run->params_to || lang->params_to;
+    call_on_big_stack(STACK_BYTES, run_on_stack, run);
+    if (!run->refused) {
+        return;
+    }
+    diag_rewind(&lang->sink, mark);
+    sources_rewind(&lang->sources, sources);
+    if (lang->sandbox) {
+        atomic_store(&lang->sandbox->content_hash, content);
+    }
+    run->whole = true;
+    if (scene_clear(run->scene)) {
+        call_on_big_stack(STACK_BYTES, run_on_stack, run);
+    } else {
+        report_no_memory(lang);
+    }
 }
 
 static bool run_file(Lang *lang, uint32_t file, Scene *scene, FILE *params_to)
@@ -359,8 +407,8 @@ static bool run_file(Lang *lang, uint32_t file, Scene *scene, FILE *params_to)
     if (!file) {
         return false;
     }
-    Run run = {lang, scene, file, params_to};
-    call_on_big_stack(STACK_BYTES, run_on_stack, &run);
+    Run run = {.lang = lang, .scene = scene, .file = file, .params_to = params_to};
+    run_twice(&run);
     if (lang->sink.out_of_memory) {
         report_no_memory(lang);
     }

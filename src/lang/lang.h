@@ -96,6 +96,8 @@ typedef struct Lang {
     void *find_given_context;
     const atomic_int *stop; // once it isn't zero evaluation ends, unfinished and without a report;
                             // NULL: never
+    bool whole; // nothing is evaluated before all of the file was read: for tests, since this only
+                // costs time and memory
     Observations *observed; // where values are kept; NULL: nowhere. The texts are the arena's.
     ARRAY(FileBytes) files; // the texts of the sources
 } Lang;

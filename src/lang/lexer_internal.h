@@ -30,6 +30,10 @@ static inline Span lexer_span(const Lexer *lexer, const char *begin, const char 
 // The symbol; takes the jump when memory runs out.
 Symbol lexer_intern(Lexer *lexer, const char *begin, const char *end);
 
+// The common case of a number at `at`, where a digit stands: few digits, no `_`, no exponent and no
+// unit. Behind it, or NULL where it is something else.
+const char *lexer_plain_number(const char *at, const char *end, double *out);
+
 // Each reads its token at lexer->at, moves lexer->at behind it, and fills kind and value.
 void lexer_number(Lexer *lexer, Token *token);
 void lexer_string(Lexer *lexer, Token *token);

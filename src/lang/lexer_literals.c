@@ -196,31 +196,38 @@ static void any_number(Lexer *lexer, Token *token)
     unit(lexer, token);
 }
 
-// number = digits [ "." digits ] [ "e" [ "+" | "-" ] digits ] [ unit ]
-void lexer_number(Lexer *lexer, Token *token)
+const char *lexer_plain_number(const char *at, const char *end, double *out)
 {
-    // The common case: few digits, no `_`, no exponent.
-    const char *begin = lexer->at, *at = begin, *end = lexer->end;
-    token->kind = TOKEN_NUMBER;
+    const char *begin = at;
     uint64_t mantissa = 0;
+    int exponent = 0;
     while (at < end && char_is(*at, CHAR_DIGIT)) {
         mantissa = mantissa * 10 + (uint64_t)(*at++ - '0');
     }
-    int exponent = 0;
-    if (at > begin && point_follows(lexer, at)) {
+    if (at > begin && end - at > 1 && *at == '.' && char_is(at[1], CHAR_DIGIT)) {
         const char *point = at++;
         while (at < end && char_is(*at, CHAR_DIGIT)) {
             mantissa = mantissa * 10 + (uint64_t)(*at++ - '0');
         }
         exponent = (int)(point + 1 - at);
     }
-    bool plain =
+    const bool ends =
         at == end || (!char_is(*at, CHAR_LETTER) && *at != '.' && (unsigned char)*at < 0x80);
-    if (plain && at - begin <= 19 && decimal_from_parts(mantissa, exponent, &token->number)) {
+    return ends && at > begin && at - begin <= 19 && decimal_from_parts(mantissa, exponent, out)
+               ? at
+               : NULL;
+}
+
+// number = digits [ "." digits ] [ "e" [ "+" | "-" ] digits ] [ unit ]
+void lexer_number(Lexer *lexer, Token *token)
+{
+    token->kind = TOKEN_NUMBER;
+    const char *at = lexer_plain_number(lexer->at, lexer->end, &token->number);
+    if (at) {
         lexer->at = at;
-        return;
+    } else {
+        any_number(lexer, token);
     }
-    any_number(lexer, token);
 }
 
 // --- Strings -------------------------------------------------------------------------------------

@@ -43,6 +43,7 @@ int64_t module_find(const Module *module, Symbol name)
 
 static void module_free(Module *module)
 {
+    parser_free(module->parser);
     ast_free(&module->ast);
     array_free(&module->globals);
     array_free(&module->constants);
@@ -224,7 +225,7 @@ static void warn_of_items(Eval *ev, const Module *module, AstId import)
     }
 }
 
-static void load_imports(Eval *ev, Module *module)
+void load_imports(Eval *ev, Module *module)
 {
     uint32_t list = module->ast.nodes.items[module->ast.root].a;
     for (uint32_t i = 0; i < ast_list_count(&module->ast, list); ++i) {
@@ -237,7 +238,13 @@ static void load_imports(Eval *ev, Module *module)
     }
 }
 
-Module *module_load_text(Eval *ev, uint32_t file, bool is_library)
+ParseLimits parse_limits(const Eval *ev)
+{
+    uint64_t nesting = ev->lang->limits.nesting;
+    return (ParseLimits){nesting < UINT32_MAX ? (uint32_t)nesting : UINT32_MAX};
+}
+
+Module *module_new(Eval *ev, uint32_t file, bool is_library)
 {
     Module *module = ARENA_NEW(&ev->regions[0], Module);
     if (!array_push(&ev->modules, module)) {
@@ -246,10 +253,14 @@ Module *module_load_text(Eval *ev, uint32_t file, bool is_library)
     module->number = (uint32_t)ev->modules.count - 1;
     module->file = file;
     module->is_library = is_library;
-    uint64_t nesting = ev->lang->limits.nesting;
-    ParseLimits limits = {nesting < UINT32_MAX ? (uint32_t)nesting : UINT32_MAX};
-    module->failed =
-        !parse(&module->ast, &ev->lang->sources, file, ev->names, limits, false, ev->sink);
+    return module;
+}
+
+Module *module_load_text(Eval *ev, uint32_t file, bool is_library)
+{
+    Module *module = module_new(ev, file, is_library);
+    module->failed = !parse(&module->ast, &ev->lang->sources, file, ev->names, parse_limits(ev),
+                            false, ev->sink);
     if (module->ast.nodes.count > 1 && module->ast.root) {
         load_imports(ev, module);
         resolve_module(ev, module);

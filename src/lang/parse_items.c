@@ -482,7 +482,7 @@ static AstId parse_field_or_item(Parser *p, BodyKind kind)
     return parse_emit(p, &name);
 }
 
-static void take_comma(Parser *p)
+void parse_item_comma(Parser *p)
 {
     if (parse_accept(p, TOKEN_COMMA) && parse_at(p, TOKEN_COMMA)) {
         parse_error(p, E0201, parse_token_span(p), "a comma without an item before it");
@@ -523,7 +523,7 @@ static void parse_body_items(Parser *p, BodyKind kind)
             parse_push(p, id);
         }
         tallest = parse_taller(tallest, p->height);
-        take_comma(p);
+        parse_item_comma(p);
     }
     p->height = tallest;
 }
@@ -555,7 +555,7 @@ AstId parse_block(Parser *p)
 // --- The file ------------------------------------------------------------------------------------
 
 // file_item = import | param | item
-static AstId parse_file_item(Parser *p)
+static AstId parse_any_item(Parser *p)
 {
     switch (p->token.kind) {
     case TOKEN_IMPORT:
@@ -567,23 +567,21 @@ static AstId parse_file_item(Parser *p)
     }
 }
 
-static void parse_file_items(Parser *p)
+void parse_file_item(Parser *p)
 {
-    while (!parse_at(p, TOKEN_END)) {
-        if (at_stray_bracket(p) || parse_at(p, TOKEN_RIGHT_BRACE)) {
-            take_stray_bracket(p);
-            continue;
-        }
-        uint32_t before = p->token.begin;
-        AstId id = parse_file_item(p);
-        if (p->panicking) {
-            parse_recover(p, before);
-        }
-        if (id) {
-            parse_push(p, id);
-        }
-        take_comma(p);
+    if (at_stray_bracket(p) || parse_at(p, TOKEN_RIGHT_BRACE)) {
+        take_stray_bracket(p);
+        return;
     }
+    uint32_t before = p->token.begin;
+    AstId id = parse_any_item(p);
+    if (p->panicking) {
+        parse_recover(p, before);
+    }
+    if (id) {
+        parse_push(p, id);
+    }
+    parse_item_comma(p);
 }
 
 // header = "scn" NUMBER; behind "scn". False where no number follows.
@@ -601,28 +599,33 @@ static bool parse_header(Parser *p)
     }
     p->ast->version = LANGUAGE_VERSION;
     parse_advance(p);
-    take_comma(p);
+    parse_item_comma(p);
     return true;
 }
 
 // file = [ header [ "," ] ] { file_item [ "," ] }
-AstId parse_file(Parser *p)
+void parse_file_begin(Parser *p)
 {
     Token first = p->token;
-    if (parse_at(p, TOKEN_NAME) && is_scn(p, &first)) {
-        parse_advance(p);
-        if (!parse_header(p)) {
-            AstId id = parse_emit(p, &first);
-            if (p->panicking) {
-                parse_recover(p, p->token.begin);
-            }
-            if (id) {
-                parse_push(p, id);
-            }
-            take_comma(p);
-        }
+    if (!parse_at(p, TOKEN_NAME) || !is_scn(p, &first)) {
+        return;
     }
-    parse_file_items(p);
+    parse_advance(p);
+    if (parse_header(p)) {
+        return;
+    }
+    AstId id = parse_emit(p, &first);
+    if (p->panicking) {
+        parse_recover(p, p->token.begin);
+    }
+    if (id) {
+        parse_push(p, id);
+    }
+    parse_item_comma(p);
+}
+
+AstId parse_file_end(Parser *p)
+{
     uint32_t items = parse_list(p, 0);
     AstId file = parse_node(p, AST_FILE, 0, items, 0);
     p->ast->nodes.items[file].end = (uint32_t)(p->lexer.end - p->lexer.begin);

@@ -373,50 +373,174 @@ void ast_free(Ast *ast)
     array_free(&ast->comments);
 }
 
-// Apart from parse() so that nothing local lives across the jump.
-static void parse_source(Parser *p, const Source *source, Interner *names, DiagSink *sink,
-                         bool keep_comments)
+typedef struct Start {
+    const Sources *sources;
+    uint32_t file;
+    Interner *names;
+    ParseLimits limits;
+    AstCommentArray *comments;
+    DiagSink *sink;
+} Start;
+
+// The parser's own jump gives its arrays back, so the interner's arena must not take another.
+bool parse_guarded(Parser *p, void (*work)(Parser *p, void *with), void *with)
 {
-    if (setjmp(p->on_oom)) {
-        diag_report(sink, E0001, (Span){p->ast->file, 0, 0}, "out of memory while parsing");
-        return;
+    Interner *names = p->lexer.names;
+    jmp_buf *outer = names->arena->on_oom;
+    names->arena->on_oom = NULL;
+    bool good = setjmp(p->on_oom) == 0;
+    if (good) {
+        work(p, with);
+    } else {
+        diag_report(p->lexer.sink, E0001, (Span){p->ast->file, 0, 0},
+                    "out of memory while parsing");
+        p->out_of_memory = true;
+        parse_give_up(p);
     }
-    lexer_init(&p->lexer, source, p->ast->file, names, sink,
-               keep_comments ? &p->ast->comments : NULL, &p->on_oom);
+    p->lexer.names->arena->on_oom = outer;
+    return good;
+}
+
+static void begin(Parser *p, void *with)
+{
+    const Start *start = with;
+    lexer_init(&p->lexer, source_get(start->sources, start->file), start->file, start->names,
+               start->sink, start->comments, &p->on_oom);
     if (!array_push(&p->ast->nodes, (AstNode){0}) || !array_push(&p->ast->extra, 0)) {
         parse_out_of_memory(p);
     }
-    // Literal items have a node for each 5 to 6 bytes and a word for each 8. Room that isn't used
-    // is never touched, and so costs no memory; without it the arrays grow as they must.
-    (void)array_reserve(&p->ast->nodes, source->text.length / 5);
-    (void)array_reserve(&p->ast->extra, source->text.length / 8);
     lexer_next(&p->lexer, &p->token);
-    p->ast->root = parse_file(p);
+    parse_file_begin(p);
+}
+
+static bool too_long(const Start *start)
+{
+    if (source_get(start->sources, start->file)->text.length < UINT32_MAX - 16) {
+        return false;
+    }
+    diag_report(start->sink, E0702, (Span){start->file, 0, 0}, "the file has more than 4 GiB");
+    return true;
+}
+
+// Fills *p, and *ast with what is known at once.
+static void init(Parser *p, Ast *ast, const Start *start)
+{
+    *ast = (Ast){.file = start->file};
+    uint32_t nesting = start->limits.nesting;
+    memset(p, 0, sizeof *p);
+    p->ast = ast;
+    p->most_nesting = nesting < PARSE_NESTING_MOST ? nesting : PARSE_NESTING_MOST;
+    p->most_height = 4 * p->most_nesting + PARSE_CHAIN_MOST;
+    p->lexer.names = start->names;
+    p->lexer.sink = start->sink;
+}
+
+static void release(Parser *p)
+{
+    array_free(&p->stack);
+    lexer_free(&p->lexer);
+}
+
+static void rest(Parser *p, void *nothing)
+{
+    (void)nothing;
+    while (!parse_at(p, TOKEN_END)) {
+        parse_file_item(p);
+    }
+    p->ast->root = parse_file_end(p);
 }
 
 bool parse(Ast *ast, const Sources *sources, uint32_t file, Interner *names, ParseLimits limits,
            bool keep_comments, DiagSink *sink)
 {
-    *ast = (Ast){.file = file};
-    const Source *source = source_get(sources, file);
+    Start start = {sources, file, names, limits, keep_comments ? &ast->comments : NULL, sink};
+    Parser p;
+    init(&p, ast, &start);
     uint32_t errors = sink->errors;
-    if (source->text.length >= UINT32_MAX - 16) {
-        diag_report(sink, E0702, (Span){file, 0, 0}, "the file has more than 4 GiB");
+    if (too_long(&start)) {
         return false;
     }
-    Parser p;
-    p.ast = ast;
-    p.previous_end = p.nesting = p.height = p.open = p.tolerance = 0;
-    p.most_nesting = limits.nesting < PARSE_NESTING_MOST ? limits.nesting : PARSE_NESTING_MOST;
-    p.most_height = 4 * p.most_nesting + PARSE_CHAIN_MOST;
-    p.panicking = p.gave_up = p.lost_brace = false;
-    p.stack = (AstWordArray){0};
-    memset(&p.lexer, 0, sizeof p.lexer);
-    jmp_buf *outer = names->arena->on_oom; // the parser's own jump gives its arrays back
-    names->arena->on_oom = NULL;
-    parse_source(&p, source, names, sink, keep_comments);
-    names->arena->on_oom = outer;
-    array_free(&p.stack);
-    lexer_free(&p.lexer);
+    // Literal items have a node for each 5 to 6 bytes and a word for each 8. Room that isn't used
+    // is never touched, and so costs no memory; without it the arrays grow as they must.
+    size_t length = source_get(sources, file)->text.length;
+    (void)array_reserve(&ast->nodes, length / 5);
+    (void)array_reserve(&ast->extra, length / 8);
+    (void)(parse_guarded(&p, begin, &start) && parse_guarded(&p, rest, NULL));
+    release(&p);
     return sink->errors == errors;
+}
+
+// --- Bit by bit ----------------------------------------------------------------------------------
+
+Parser *parser_new(Ast *ast, const Sources *sources, uint32_t file, Interner *names,
+                   ParseLimits limits, DiagSink *sink)
+{
+    Start start = {sources, file, names, limits, NULL, sink};
+    Parser *p = mem_alloc(1, sizeof *p);
+    if (!p) {
+        *ast = (Ast){.file = file};
+        diag_report(sink, E0001, (Span){file, 0, 0}, "out of memory while parsing");
+        return NULL;
+    }
+    init(p, ast, &start);
+    if (too_long(&start)) {
+        p->token.kind = TOKEN_END;
+    } else {
+        parse_guarded(p, begin, &start);
+    }
+    p->repeats = repeats_new(); // without it all is only slower
+    return p;
+}
+
+void parser_free(Parser *p)
+{
+    if (p) {
+        release(p);
+        mem_free(p->repeats);
+        mem_free(p);
+    }
+}
+
+bool parser_has_items(const Parser *p)
+{
+    return p->stack.count > 0;
+}
+
+bool parser_at_end(const Parser *p)
+{
+    return parse_at(p, TOKEN_END);
+}
+
+bool parser_is_out_of_memory(const Parser *p)
+{
+    return p->out_of_memory;
+}
+
+static void read_item(Parser *p, void *nothing)
+{
+    (void)nothing;
+    parse_file_item(p);
+}
+
+AstId parser_read_item(Parser *p)
+{
+    p->item = p->stack.count;
+    p->item_nodes = p->ast->nodes.count;
+    p->item_extra = p->ast->extra.count;
+    const bool good = !parse_at(p, TOKEN_END) && parse_guarded(p, read_item, NULL);
+    return good && p->stack.count > p->item ? p->stack.items[p->item] : 0;
+}
+
+void parser_take_out(Parser *p, bool keep_nodes)
+{
+    p->stack.count = p->item;
+    if (!keep_nodes) {
+        p->ast->nodes.count = p->item_nodes;
+        p->ast->extra.count = p->item_extra;
+    }
+}
+
+bool parser_finish(Parser *p)
+{
+    return !p->out_of_memory && parse_guarded(p, rest, NULL);
 }

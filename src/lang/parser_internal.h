@@ -7,7 +7,7 @@
 #include "lang/ast.h"
 #include "lang/lexer.h"
 
-typedef struct Parser {
+struct Parser {
     Ast *ast;
     Lexer lexer;
     Token token;           // the current one
@@ -20,9 +20,14 @@ typedef struct Parser {
     bool panicking;       // an error was reported; nothing more until the next item
     bool gave_up;         // nothing more until the end of the file
     bool lost_brace;      // fields stood outside of a kind: a `}` will be too many
-    AstWordArray stack;   // children of the lists being read
+    bool out_of_memory;
+    AstWordArray stack; // children of the lists being read; lowest the file's items
     jmp_buf on_oom;
-} Parser;
+    // Of what parser_read_item read last: its place on the stack, and how long the tree's arrays
+    // were before.
+    size_t item, item_nodes, item_extra;
+    struct Repeats *repeats; // NULL: none are looked for
+};
 
 // --- Tokens --------------------------------------------------------------------------------------
 
@@ -115,6 +120,9 @@ static inline uint32_t parse_taller(uint32_t a, uint32_t b)
 // --- Nodes ---------------------------------------------------------------------------------------
 
 void parse_out_of_memory(Parser *p) __attribute__((noreturn));
+// Does `work`, which may call parse_out_of_memory. False where it did, which is reported; then the
+// parser has given up.
+bool parse_guarded(Parser *p, void (*work)(Parser *p, void *with), void *with);
 
 static inline AstId parse_node(Parser *p, AstTag tag, uint32_t begin, uint32_t a, uint32_t b)
 {
@@ -154,6 +162,13 @@ AstId parse_function(Parser *p, uint32_t begin, bool named);
 // `=`; a `:` is reported and taken for it, and so is a type.
 bool parse_binding(Parser *p);
 
+// --- Statements that repeat one another (repeat.c) -----------------------------------------------
+
+typedef struct Repeats Repeats;
+Repeats *repeats_new(void); // NULL without memory; to be given back with mem_free
+
+// --- Bodies --------------------------------------------------------------------------------------
+
 typedef enum BodyKind {
     BODY_ITEMS,  // of a block
     BODY_KIND,   // fields and items of a kind
@@ -162,6 +177,13 @@ typedef enum BodyKind {
 // "{" … "}" as a list of its nodes.
 uint32_t parse_body(Parser *p, BodyKind kind);
 AstId parse_block(Parser *p);
-AstId parse_file(Parser *p);
+// The header.
+void parse_file_begin(Parser *p);
+// An item at the top of the file, put on the stack unless there was nothing but a mistake.
+void parse_file_item(Parser *p);
+// The `,` behind an item, if it is there.
+void parse_item_comma(Parser *p);
+// The root.
+AstId parse_file_end(Parser *p);
 
 #endif

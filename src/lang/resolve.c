@@ -1,6 +1,7 @@
 #include "lang/resolve.h"
 
 #include "base/hash.h"
+#include "lang/builtins.h"
 
 #include <stdio.h>
 
@@ -608,12 +609,142 @@ static void index_globals(Resolver *r)
     }
 }
 
+// --- Files -----------------------------------------------------------------------------------
+
+void resolver_make_room(Resolver *r)
+{
+    const uint32_t needed = r->ev->names->count + 1;
+    if (needed <= r->symbols) {
+        return;
+    }
+    const uint32_t room = needed + needed / 2;
+    uint32_t *current = arena_alloc_zeroed(r->ev->arena, room * sizeof *current);
+    bool *relied = arena_alloc_zeroed(r->ev->arena, room * sizeof *relied);
+    if (r->symbols) {
+        memcpy(current, r->current, r->symbols * sizeof *current);
+        memcpy(relied, r->relied, r->symbols * sizeof *relied);
+    }
+    r->current = current;
+    r->relied = relied;
+    r->symbols = room;
+}
+
+void resolver_begin(Resolver *r, Eval *ev, Module *module)
+{
+    *r = (Resolver){.ev = ev, .module = module, .ast = &module->ast, .binding_count = 1};
+    resolver_make_room(r);
+    scope_begin(r);
+}
+
+void resolver_declare(Resolver *r, AstId item)
+{
+    const Symbol name = item_symbol(r->module, item);
+    const uint32_t before = r->binding_count;
+    declare_item(r, item);
+    // What was taken for a built-in name is none.
+    r->refused = r->refused || (r->binding_count > before && name && r->relied[name]);
+}
+
+void resolver_resolve(Resolver *r, AstId item)
+{
+    const AstNode *node = node_at(r, item);
+    if (!((node->tag == AST_LET || node->tag == AST_PARAM) && node->op == ITEM_RESOLVED)) {
+        resolve_item(r, item);
+    }
+}
+
+// Whether a name means the same whatever the rest of the file says. A built-in name does so long as
+// the file doesn't declare it: that it is relied on is noted. `print` waits for what comes before.
+static bool is_known_name(Resolver *r, Symbol name)
+{
+    const Eval *ev = r->ev;
+    if (r->current[name]) {
+        return r->bindings[r->current[name]].known;
+    }
+    const uint32_t builtin = name < ev->symbol_count ? ev->symbols[name].builtin : 0;
+    const bool known = builtin ? builtins[builtin - 1].function != builtin_print
+                               : constant_find(symbol_name(ev->names, name)) >= 0;
+    r->relied[name] = r->relied[name] || known;
+    return known;
+}
+
+static bool is_known_list(Resolver *r, uint32_t list)
+{
+    bool known = true;
+    for (uint32_t i = 0; known && i < ast_list_count(r->ast, list); ++i) {
+        known = resolver_knows(r, ast_list_items(r->ast, list)[i]);
+    }
+    return known;
+}
+
+bool resolver_knows(Resolver *r, AstId id)
+{
+    const AstNode *node = node_at(r, id);
+    switch ((AstTag)node->tag) {
+    case AST_NUMBER:
+    case AST_STRING:
+    case AST_COLOR:
+    case AST_BOOL:
+        return true;
+    case AST_NAME:
+        return node->a && is_known_name(r, node->a);
+    case AST_VECTOR:
+    case AST_LIST:
+        return is_known_list(r, node->a);
+    case AST_EMIT:
+    case AST_UNARY:
+    case AST_MEMBER:
+        return resolver_knows(r, node->a);
+    case AST_RANGE:
+    case AST_BINARY:
+    case AST_INDEX:
+        return resolver_knows(r, node->a) && resolver_knows(r, node->b);
+    case AST_IF: {
+        const uint32_t *words = &r->ast->extra.items[node->b];
+        return resolver_knows(r, node->a) && resolver_knows(r, words[0]) &&
+               (words[1] == 0 || resolver_knows(r, words[1]));
+    }
+    case AST_CALL:
+        return resolver_knows(r, node->a) && is_known_list(r, node->b);
+    case AST_KIND:
+        return is_known_list(r, node->b);
+    case AST_FIELD:
+    case AST_ARGUMENT:
+        return resolver_knows(r, node->b);
+    default: // what makes frames or functions, and what could not be parsed
+        return false;
+    }
+}
+
+bool resolver_learn(Resolver *r, AstId id)
+{
+    AstNode *node = node_at(r, id);
+    const uint32_t *words = &r->ast->extra.items[node->b];
+    const bool is_param = node->tag == AST_PARAM;
+    const bool known =
+        is_param ? resolver_knows(r, words[3]) && (words[4] == 0 || resolver_knows(r, words[4]))
+                 : resolver_knows(r, words[2]);
+    if (!known || !node->a) {
+        return false;
+    }
+    resolve_item(r, id);
+    node_at(r, id)->op = ITEM_RESOLVED;
+    r->bindings[r->current[node->a]].known = true;
+    return true;
+}
+
+void resolver_end(Resolver *r)
+{
+    scope_end(r, (ScopeMark){.bindings = 1});
+    r->module->slot_count = r->next_slot;
+    index_globals(r);
+}
+
 void resolve_module(Eval *ev, Module *module)
 {
-    Resolver r = {.ev = ev, .module = module, .ast = &module->ast, .binding_count = 1};
-    size_t size = ((size_t)ev->names->count + 1) * sizeof *r.current;
-    r.current = arena_alloc_zeroed(ev->arena, size);
-    resolve_block(&r, node_at(&r, module->ast.root)->a);
-    module->slot_count = r.next_slot;
-    index_globals(&r);
+    Resolver r;
+    resolver_begin(&r, ev, module);
+    const uint32_t list = node_at(&r, module->ast.root)->a;
+    resolve_items(&r, ast_list_items(&module->ast, list), ast_list_count(&module->ast, list));
+    resolver_end(&r);
 }

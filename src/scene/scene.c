@@ -42,6 +42,19 @@ void scene_free(Scene *scene)
     *scene = (Scene){.camera = NONE_ID};
 }
 
+bool scene_clear(Scene *scene)
+{
+    const Schema *schema = scene->schema;
+    Sandbox *sandbox = scene->sandbox;
+    struct PictureCache *pictures = scene->pictures;
+    scene_free(scene);
+    if (!scene_init(scene, schema, sandbox)) {
+        return false;
+    }
+    scene->pictures = pictures;
+    return true;
+}
+
 // Ids have 32 bits, and the last stands for none.
 static bool has_room(size_t count)
 {

@@ -115,6 +115,9 @@ typedef struct Scene {
 // False when memory runs out. `schema` and `sandbox` must outlive the scene.
 bool scene_init(Scene *scene, const Schema *schema, Sandbox *sandbox);
 void scene_free(Scene *scene);
+// As scene_init left it; the schema, the sandbox and the pictures stay. False (and the scene is
+// freed) when memory runs out.
+bool scene_clear(Scene *scene);
 
 // Each returns the new id, or NONE_ID when memory runs out.
 // Appends a node with a copy of its parameter struct; its category follows from the type, and

@@ -1,7 +1,11 @@
 // A scene's text through the whole language: lexer, parser, resolver, evaluator, the kinds' own
 // checks and their defaults. Whatever the bytes: a scene, or diagnostics that lie in the text; and
-// never more steps, memory or objects than the limits say.
+// never more steps, memory or objects than the limits say. Nor does it matter whether statements
+// are evaluated while the text is read.
+#include "scene/dump.h"
 #include "scene_text.h"
+
+#include <stdlib.h>
 
 static bool lies_inside(const Lang *lang, Span at)
 {
@@ -24,11 +28,39 @@ static void check(const Lang *lang, const Scene *scene, bool good)
     fuzz_require(!good || nodes <= 2 * lang->limits.objects, "no more objects than allowed");
 }
 
+typedef struct Told {
+    char *text;
+    size_t size;
+} Told;
+
+// The diagnostics, and the scene where there is one.
+static Told tell(SceneText *text)
+{
+    Told told;
+    FILE *out = open_memstream(&told.text, &told.size);
+    fuzz_require(out != NULL, "there is memory");
+    diag_write_text(&text->lang.sink, &text->lang.sources, out, DIAG_PLAIN);
+    if (text->good) {
+        scene_dump_json(&text->scene, &text->lang.sources, out);
+    }
+    fclose(out);
+    return told;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     SceneText text;
-    scene_text_begin(&text, bytes, size);
-    check(&text.lang, &text.scene, text.good);
-    scene_text_end(&text);
+    Told told[2];
+    for (int whole = 0; whole < 2; ++whole) {
+        scene_text_load(&text, bytes, size, whole);
+        check(&text.lang, &text.scene, text.good);
+        told[whole] = tell(&text);
+        scene_text_end(&text);
+    }
+    fuzz_require(told[0].size == told[1].size &&
+                     memcmp(told[0].text, told[1].text, told[0].size) == 0,
+                 "it doesn't matter when statements are evaluated");
+    free(told[0].text);
+    free(told[1].text);
     return 0;
 }

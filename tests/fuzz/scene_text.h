@@ -63,7 +63,8 @@ static inline bool take_setting(const char *bytes, size_t size, ParamSetting *ou
     return true;
 }
 
-static inline void scene_text_begin(SceneText *text, const uint8_t *bytes, size_t size)
+// `whole`: nothing is evaluated before all was read.
+static inline void scene_text_load(SceneText *text, const uint8_t *bytes, size_t size, bool whole)
 {
     const Schema *schema = render_schema();
     Sandbox *sandbox = fuzz_sandbox();
@@ -71,6 +72,7 @@ static inline void scene_text_begin(SceneText *text, const uint8_t *bytes, size_
     fuzz_require(lang_init(&text->lang, schema, sandbox) &&
                      scene_init(&text->scene, schema, sandbox),
                  "beginning takes little memory");
+    text->lang.whole = whole;
     text->lang.limits = small_limits();
     text->lang.sink.limit = (uint32_t)text->lang.limits.diagnostics;
     if (take_setting((const char *)bytes, size, &text->setting)) {
@@ -80,6 +82,11 @@ static inline void scene_text_begin(SceneText *text, const uint8_t *bytes, size_
     text->good =
         lang_load_text(&text->lang, (Str){(const char *)bytes, size},
                        SCN_SOURCE_DIR "/tests/fuzz/files/input.scn", "input.scn", &text->scene);
+}
+
+static inline void scene_text_begin(SceneText *text, const uint8_t *bytes, size_t size)
+{
+    scene_text_load(text, bytes, size, false);
 }
 
 static inline void scene_text_end(SceneText *text)

@@ -10,10 +10,14 @@
 //     whose
 //                              last byte matters, the file PROGRAM.txt beside
 //
+// Each is run twice, once as a whole and once with statements evaluated as they are read, which
+// must make no difference to any of these nor to the scene.
+//
 // usage: run [--update] FILE|FOLDER…    Files in folders called lib are not programs but imported.
 // --update writes the diagnostics into the programs instead of comparing.
 #include "lang/lang.h"
 #include "render/render.h"
+#include "scene/dump.h"
 
 #include <dirent.h>
 #include <limits.h>
@@ -177,12 +181,19 @@ static const char *base_name(const char *path)
 }
 
 typedef struct Outcome {
-    char *print, *diagnostics;
-    size_t print_size, diagnostics_size;
+    char *print, *diagnostics, *scene;
+    size_t print_size, diagnostics_size, scene_size;
     bool good, counts_good;
 } Outcome;
 
-static bool run_program(const Program *program, Outcome *outcome)
+static void free_outcome(Outcome *outcome)
+{
+    free(outcome->print);
+    free(outcome->diagnostics);
+    free(outcome->scene);
+}
+
+static bool run_program(const Program *program, bool whole, Outcome *outcome)
 {
     Sandbox sandbox;
     Lang lang;
@@ -202,6 +213,7 @@ static bool run_program(const Program *program, Outcome *outcome)
         settings[i] = (ParamSetting){
             {program->settings[i], (size_t)(equals - program->settings[i])}, str_from(equals + 1)};
     }
+    lang.whole = whole;
     lang.limits = program->limits;
     lang.moment = program->moment;
     lang.settings = settings;
@@ -213,6 +225,11 @@ static bool run_program(const Program *program, Outcome *outcome)
     FILE *diagnostics = open_memstream(&outcome->diagnostics, &outcome->diagnostics_size);
     diag_write_text(&lang.sink, &lang.sources, diagnostics, DIAG_PLAIN);
     fclose(diagnostics);
+    FILE *dump = open_memstream(&outcome->scene, &outcome->scene_size);
+    if (outcome->good) { // else it may be anything
+        scene_dump_json(&scene, &lang.sources, dump);
+    }
+    fclose(dump);
     scene_free(&scene);
     lang_free(&lang);
     sandbox_free(&sandbox);
@@ -227,6 +244,19 @@ static bool compare(const Program *program, const char *what, Text expected, con
     }
     printf("%s: %s differ\n--- expected\n%s--- found\n%s---\n", program->path, what, wanted, is);
     return false;
+}
+
+// What came out of the whole file, and of its statements as they are read.
+static bool is_same(const Program *program, const Outcome *whole, const Outcome *early)
+{
+    const char *what = strcmp(whole->diagnostics, early->diagnostics) != 0 ? "diagnostics"
+                       : strcmp(whole->print, early->print) != 0           ? "printed lines"
+                       : strcmp(whole->scene, early->scene) != 0           ? "scene"
+                                                                           : NULL;
+    if (what) {
+        printf("%s: %s: it matters when its statements are evaluated\n", program->path, what);
+    }
+    return !what;
 }
 
 static void write_lines(FILE *out, const char *text)
@@ -264,14 +294,14 @@ static void update(const Program *program, const Outcome *outcome)
 static bool test_program(const char *path, bool updating)
 {
     Program program = {.limits = limits_default()};
-    Outcome outcome;
+    Outcome outcome, other;
     snprintf(program.path, sizeof program.path, "%s", path);
     if (!read_text(path, &program.source)) {
         printf("%s: can't be read\n", path);
         return false;
     }
     read_expectations(&program);
-    bool good = run_program(&program, &outcome);
+    bool good = run_program(&program, true, &outcome) && run_program(&program, false, &other);
     if (updating && good) {
         update(&program, &outcome);
     } else if (good) {
@@ -279,8 +309,9 @@ static bool test_program(const char *path, bool updating)
     }
     good = good && outcome.counts_good &&
            compare(&program, "printed lines", program.expected_print, outcome.print);
-    free(outcome.print);
-    free(outcome.diagnostics);
+    good = good && is_same(&program, &outcome, &other);
+    free_outcome(&outcome);
+    free_outcome(&other);
     free_program(&program);
     return good;
 }
