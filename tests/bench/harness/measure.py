@@ -1,4 +1,5 @@
 """Runs the cases, here and in the peer in turn, and keeps what was measured."""
+import copy
 import math
 import os
 import statistics
@@ -16,12 +17,11 @@ FIGURES = {
     "speed": ("samples", "million/s", 3, True),
     "cpu_speed": ("samples", "million/s of a processor", 3, True),
     "mse": ("mean squared error", "", 9, False),
-    "efficiency": ("efficiency", "1/(MSE s)", 1, True),
+    "efficiency": ("efficiency by time", "1/(MSE s)", 1, True),
     "cpu_efficiency": ("efficiency by processor time", "1/(MSE s)", 1, True),
     "dark_mse": ("MSE without lamps' pixels", "", 9, False),
-    "dark_efficiency": ("efficiency without lamps' pixels", "1/(MSE s)", 1, True),
-    "equal_error": ("time to equal error", "s", 3, False),
-    "equal_error_cpu": ("processor time to equal error", "s", 3, False),
+    "dark_efficiency": ("efficiency so by processor time", "1/(MSE s)", 1, True),
+    "equal_error": ("processor time to equal error", "s", 3, False),
 }
 
 
@@ -41,10 +41,12 @@ def compare(pairs):
     high}}: medians, and the spread of the ratios of pairs."""
     table = {}
     for figure in FIGURES:
-        if figure not in pairs[0][0]:
+        values = [ours[figure] for ours, _ in pairs if figure in ours]
+        if not values:
             continue
-        row = {"ours": statistics.median(ours[figure] for ours, _ in pairs)}
-        both = [(ours[figure], theirs[figure]) for ours, theirs in pairs if theirs and figure in theirs]
+        row = {"ours": statistics.median(values)}
+        both = [(ours[figure], theirs[figure]) for ours, theirs in pairs
+                if theirs and figure in ours and figure in theirs]
         if both:
             ratios = [ratio(figure, *pair) for pair in both]
             row.update(theirs=statistics.median(theirs for _, theirs in both),
@@ -53,15 +55,25 @@ def compare(pairs):
     return table
 
 
-def alternate(runs, ours, theirs):
-    """Figures of runs in turn; the first ones of each side warm the disk and aren't counted."""
-    pairs = []
-    for run in range(runs):
-        pairs.append((ours(run), theirs(run) if theirs else None))
-    return pairs
+class Runs:
+    """The runs of a case, here and there in turn."""
+
+    def __init__(self, job, numbers, peers):
+        self.job, self.numbers, self.peers = job, numbers, peers
+        self.pairs, self.extra = [], {}
+
+    def alternate(self, ours, theirs):
+        for number in self.numbers:
+            self.pairs.append((ours(number), theirs(number) if self.peers else None))
+
+    def same_scene(self, ours, theirs):
+        """Keeps the mean luminance of two linear pictures."""
+        errors = self.job.errors([ours], [theirs])[0]
+        self.extra["means"] = [errors["reference"], errors["mean"]]
 
 
-def check(job, runs, peers):
+def check(runs):
+    job = runs.job
     megabytes = os.path.getsize(job.scene) / 1e6
 
     def ours(_):
@@ -69,59 +81,50 @@ def check(job, runs, peers):
         if job.case.scene == "flat":
             cost["rate"] = megabytes / cost["cpu"]
         return cost
-
-    def theirs(_):
-        return job.povray().figures()
-    ours(0)
-    return {"figures": compare(alternate(runs, ours, theirs if peers else None))}
+    ours(0)  # reads the file into memory
+    runs.alternate(ours, lambda _: job.povray().figures())
 
 
-def picture(job, runs, peers):
+def picture(runs):
+    job = runs.job
+
     def ours(_):
         cost = job.ours(job.file("ours.png")).figures()
         if job.case.name == "start":
             cost["check_ms"] = 1e3 * job.check().wall
         return cost
-
-    def theirs(_):
-        return job.povray(job.file("theirs.png")).figures()
     ours(0)
-    result = {"figures": compare(alternate(runs, ours, theirs if peers else None))}
-    if peers:
+    runs.alternate(ours, lambda _: job.povray(job.file("theirs.png")).figures())
+    if runs.peers:
         job.ours(job.file("ours.exr"))
         job.povray(job.file("theirs.exr"), linear=True)
-        errors = job.errors([job.file("ours.exr")], [job.file("theirs.exr")])[0]
-        result["means"] = [errors["reference"], errors["mean"]]
-    return result
+        runs.same_scene(job.file("ours.exr"), job.file("theirs.exr"))
 
 
-def first(job, runs, peers):
-    def ours(_):
-        return job.ours(job.file("ours.png")).figures()
-
-    whole = []
+def first(runs):
+    job, whole = runs.job, []
 
     def theirs(_):
         call, process = job.cycles(job.file("theirs.exr"))
         whole.append(process.wall)
         return call.figures()
-    result = {"figures": compare(alternate(runs, ours, theirs if peers else None))}
-    if peers:
-        result["notes"] = [f"Blender's whole process took {statistics.median(whole):.1f} s."]
+    runs.alternate(lambda _: job.ours(job.file("ours.png")).figures(), theirs)
+    if runs.peers:
+        runs.extra["notes"] = [f"Blender's whole process took {statistics.median(whole):.1f} s."]
         # The same trees must stand there: fewer of them, seen by more rays.
-        job.size.samples = 64
-        job.ours(job.file("ours.exr"))
-        job.cycles(job.file("theirs.exr"))
-        errors = job.errors([job.file("ours.exr")], [job.file("theirs.exr")])[0]
-        result["means"] = [errors["reference"], errors["mean"]]
-    return result
+        few = copy.deepcopy(job.size)
+        few.params["rows"], few.samples, few.width, few.height = 100, 16, 320, 180
+        other = Job(job.case, few, job.program, os.path.join(job.work, "few"), job.threads)
+        other.ours(other.file("ours.exr"))
+        other.cycles(other.file("theirs.exr"))
+        runs.same_scene(other.file("ours.exr"), other.file("theirs.exr"))
 
 
-def noise(job, runs, peers):
-    size, sides = job.size, ["scnrender"] + (["cycles"] if peers else [])
+def noise(runs):
+    job, size = runs.job, runs.job.size
     million = 1e-6 * size.width * size.height * size.samples
     references = {}
-    for who in sides:
+    for who in ["scnrender"] + (["cycles"] if runs.peers else []):
         say(f"{job.case.name}: reference of {who}")
         references[who] = job.references(who)
 
@@ -132,62 +135,57 @@ def noise(job, runs, peers):
         cost.update(speed=million / cost["wall"], cpu_speed=million / cost["cpu"], mse=error["mse"],
                     efficiency=1 / (error["mse"] * cost["wall"]), dark_mse=error["dark_mse"],
                     cpu_efficiency=1 / (error["mse"] * cost["cpu"]),
-                    dark_efficiency=1 / (error["dark_mse"] * cost["wall"]))
+                    dark_efficiency=1 / (error["dark_mse"] * cost["cpu"]))
+        if who == "cycles":
+            cost["equal_error"] = cost["cpu"]
         return cost
-    pairs = alternate(runs, lambda run: one("scnrender", run),
-                      (lambda run: one("cycles", run)) if peers else None)
-    result = {"figures": compare(pairs)}
-    if peers:
-        ours, theirs = (job.errors(references[who], [job.file(f"{who}_0.exr")])[0]["reference"]
-                        for who in sides)
-        result["means"] = [ours, theirs]
-        if any(aim.figure == "equal_error" for aim in job.case.aims):
-            equal_error(job, runs, references["scnrender"], result)
-    return result
+
+    equal = any(aim.figure == "equal_error" for aim in job.case.aims) and runs.peers
+    for number in runs.numbers:
+        here, there = one("scnrender", number), one("cycles", number) if runs.peers else None
+        if equal:
+            samples = samples_for(job, references["scnrender"], there["mse"], number)
+            here["equal_error"] = job.ours(job.file("equal.exr"), samples, 400 + number).cpu
+            runs.extra["notes"] = [f"Equal error: {samples} samples here, {size.samples} there."]
+        runs.pairs.append((here, there))
+    if runs.peers:
+        runs.extra["means"] = [job.errors(references[who], references[who])[-1]["mean"]
+                               for who in references]
 
 
-def equal_error(job, runs, reference, result):
-    """As many samples here as bring the error that the peer has, then both in turn."""
-    wanted = result["figures"]["mse"]["theirs"]
+def samples_for(job, reference, wanted, seed):
+    """As many samples as bring an error: it falls with a power of their number, which is interpolated
+    between powers of two."""
     error = job.file("equal.exr")
 
-    def mse(samples, seed):
-        job.ours(error, samples, seed)
+    def mse(samples):
+        job.ours(error, samples, 300 + seed)
         return job.errors(reference, [error])[0]["mse"]
-    # The error falls with a power of the samples: interpolated between powers of two around it.
     samples = 1
-    before = after = mse(1, 300)
-    while after > wanted and samples < 64 * job.size.samples:
+    before = after = mse(1)
+    while after > wanted and samples < 16 * job.size.samples:
         before, samples = after, 2 * samples
-        after = mse(samples, 300)
-    if samples > 1 and before > after:
-        samples = math.ceil(samples / 2 * 2 ** (math.log(before / wanted) / math.log(before / after)))
-
-    def ours(run):
-        cost = job.ours(job.file("equal.exr"), samples, 400 + run)
-        return {"equal_error": cost.wall, "equal_error_cpu": cost.cpu}
-
-    def theirs(run):
-        cost = job.render("cycles", job.file("equal_theirs.exr"), seed=400 + run)
-        return {"equal_error": cost.wall, "equal_error_cpu": cost.cpu}
-    result["figures"].update(compare(alternate(runs, ours, theirs)))
-    result.setdefault("notes", []).append(
-        f"Equal error: {samples} samples here, {job.size.samples} there.")
+        after = mse(samples)
+    if samples == 1 or before <= after:
+        return samples
+    return math.ceil(samples / 2 * 2 ** (math.log(before / wanted) / math.log(before / after)))
 
 
 KINDS = {"check": check, "picture": picture, "first": first, "noise": noise}
 
 
-def run_case(case, given, program, work):
+def run_case(case, given, program, work, kept):
+    """`kept`, the result of earlier runs, is added to."""
     size = case.quick if given.quick else case.full
     job = Job(case, size, program, work, given.threads)
     say(f"{case.name}: {case.what}")
-    result = KINDS[case.kind](job, given.runs, not given.quick)
-    result.update(case=case.name, peer=None if given.quick else case.peer, runs=given.runs,
-                  threads=given.threads, load=os.getloadavg()[0])
+    pairs = kept["pairs"] if kept else []
+    runs = Runs(job, range(len(pairs), len(pairs) + given.runs), not given.quick)
+    KINDS[case.kind](runs)
+    pairs = pairs + runs.pairs
+    result = {"case": case.name, "figures": compare(pairs), "runs": len(pairs), "pairs": pairs,
+              "threads": given.threads, "load": os.getloadavg()[1], **runs.extra}
     means = result.get("means")
-    if means and not abs(means[1] / means[0] - 1) < 0.02:
-        result.setdefault("notes", []).append("The means differ: not the same scene.")
+    if means and abs(means[1] / means[0] - 1) > 0.02:
+        result.setdefault("notes", []).append("**The means differ: not the same scene.**")
     return result
-
-
