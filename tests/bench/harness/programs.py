@@ -11,6 +11,8 @@ from . import flat
 from .cases import ROOT
 
 
+# A million of things take more steps than a scene that nobody knows may.
+LIMITS = ["--limit", "steps=1000000000", "--limit", "memory=17179869184"]
 TIME = shutil.which("time")
 
 
@@ -97,13 +99,14 @@ class Job:
     # scnrender
 
     def check(self):
-        return timed([self.program, "check", self.scene, *self.params], self.log())
+        return timed([self.program, "check", self.scene, *self.params, *LIMITS], self.log())
 
     def ours(self, output, samples=None, seed=0):
         size = self.size
-        return timed([self.program, self.scene, *self.params, "--quiet", "--threads", str(self.threads),
-                      "--size", f"{size.width}x{size.height}", "--samples", str(samples or size.samples),
-                      "--seed", str(seed), "-o", output], self.log())
+        return timed([self.program, self.scene, *self.params, *LIMITS, "--quiet",
+                      "--threads", str(self.threads), "--size", f"{size.width}x{size.height}",
+                      "--samples", str(samples or size.samples), "--seed", str(seed), "-o", output],
+                     self.log())
 
     # POV-Ray
 
@@ -112,9 +115,9 @@ class Job:
             self.partner = self.case.beside(extension) if target == "povray" else None
         if not self.partner:
             self.partner = self.file("exported" + extension)
-            subprocess.run([self.program, "export", "--to", target, self.scene, "--quiet", "-o",
-                            self.partner, *self.settings({**self.size.params, **self.case.peer_params})],
-                           check=True)
+            params = {**self.size.params, **self.case.peer_params}
+            subprocess.run([self.program, "export", "--to", target, self.scene, "--quiet", *LIMITS,
+                            "-o", self.partner, *self.settings(params)], check=True)
         return self.partner
 
     def povray(self, output=None, linear=False):
@@ -134,7 +137,7 @@ class Job:
             dump = self.file("dump.json")
             small = self.settings({**params, **({"rows": 1} if "rows" in params else {})})
             with open(dump, "w", encoding="utf-8") as file:
-                subprocess.run([self.program, self.scene, "--dump", "scene", "--quiet", *small],
+                subprocess.run([self.program, self.scene, "--dump", "scene", "--quiet", *small, *LIMITS],
                                check=True, stdout=file)
         job = {"scene": self.exported("blender", ".export.py"), "hook": self.case.beside(".py"),
                "dump": dump, "params": params, "output": output, "seed": seed, "threads": self.threads,
