@@ -14,13 +14,13 @@ FIGURES = {
     "peak": ("peak memory", "MB", 1, False),
     "rate": ("text read", "MB/s of one processor", 0, True),
     "check_ms": ("`check` alone", "ms", 1, False),
-    "speed": ("samples", "million/s", 3, True),
-    "cpu_speed": ("samples", "million/s of a processor", 3, True),
+    "speed": ("samples by time", "million/s", 3, True),
+    "cpu_speed": ("samples by processor time", "million/s", 3, True),
     "mse": ("mean squared error", "", 9, False),
     "efficiency": ("efficiency by time", "1/(MSE s)", 1, True),
     "cpu_efficiency": ("efficiency by processor time", "1/(MSE s)", 1, True),
-    "dark_mse": ("MSE without lamps' pixels", "", 9, False),
-    "dark_efficiency": ("efficiency so by processor time", "1/(MSE s)", 1, True),
+    "dark_mse": ("mean squared error without lamps' pixels", "", 9, False),
+    "dark_efficiency": ("efficiency so, by processor time", "1/(MSE s)", 1, True),
     "equal_error": ("processor time to equal error", "s", 3, False),
 }
 
@@ -91,7 +91,8 @@ def picture(runs):
     def ours(_):
         cost = job.ours(job.file("ours.png")).figures()
         if job.case.name == "start":
-            cost["check_ms"] = 1e3 * job.check().wall
+            # The least of ten: waiting behind other work is no part of it.
+            cost["check_ms"] = 1e3 * min(job.check().wall for _ in range(10))
         return cost
     ours(0)
     runs.alternate(ours, lambda _: job.povray(job.file("theirs.png")).figures())

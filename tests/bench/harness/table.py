@@ -5,6 +5,7 @@ import subprocess
 from .cases import CASES, ROOT
 from .measure import FIGURES
 
+REACHED = {True: "reached", False: "**not reached**", None: ""}
 PEERS = {"povray": "POV-Ray 3.7", "cycles": "Cycles"}
 BEGIN, END = "<!-- tools/bench --write: from here", "<!-- to here -->"
 PAGE = os.path.join(ROOT, "docs/performance.md")
@@ -17,20 +18,18 @@ def number(value, figure):
     return f"{value:,.{digits}f}"
 
 
-def verdict(case, figure, row):
-    """(aim, reached) as text."""
-    for aim in case.aims:
-        if aim.figure != figure:
-            continue
-        unit = FIGURES[figure][1].split(" ")[0]
-        if aim.absolute:
-            more = FIGURES[figure][3]
-            good = row["ours"] >= aim.least if more else row["ours"] <= aim.least
-            return f"{'at least' if more else 'at most'} {aim.least:g} {unit}", good
-        if "ratio" not in row:
-            return f"{aim.least:g}×", None
-        return f"{aim.least:g}×", row["ratio"] >= aim.least
-    return "", None
+def wanted(aim):
+    unit = FIGURES[aim.figure][1].split(" ")[0]
+    if aim.absolute:
+        return f"{'at least' if FIGURES[aim.figure][3] else 'at most'} {aim.least:g} {unit}"
+    return f"{aim.least:g}×"
+
+
+def reached(aim, row):
+    if aim.absolute:
+        more = FIGURES[aim.figure][3]
+        return row["ours"] >= aim.least if more else row["ours"] <= aim.least
+    return row["ratio"] >= aim.least if "ratio" in row else None
 
 
 def ratio_text(row):
@@ -43,16 +42,16 @@ def rows_of(result):
     case = next(case for case in CASES if case.name == result["case"])
     for figure, row in result["figures"].items():
         what, unit, _, _ = FIGURES[figure]
-        aim, reached = verdict(case, figure, row)
+        aim = next((aim for aim in case.aims if aim.figure == figure), None)
         yield (f"{what}, {unit}" if unit else what, number(row["ours"], figure),
-               number(row["theirs"], figure) if "theirs" in row else "", ratio_text(row), aim,
-               {True: "reached", False: "**not reached**", None: ""}[reached])
+               number(row["theirs"], figure) if "theirs" in row else "", ratio_text(row),
+               wanted(aim) if aim else "", REACHED[reached(aim, row) if aim else None])
 
 
 def text(result):
     lines = [f"{result['case']}: {result['runs']} runs in turn, {result['threads']} threads"]
-    for what, ours, theirs, ratio, aim, reached in rows_of(result):
-        lines.append(f"  {what:42} {ours:>14} {theirs:>14}  {ratio:24} {aim:18} {reached.strip('*')}")
+    for what, ours, theirs, ratio, aim, end in rows_of(result):
+        lines.append(f"  {what:42} {ours:>14} {theirs:>14}  {ratio:24} {aim:18} {end.strip('*')}")
     if result.get("means"):
         lines.append(f"  means: {result['means'][0]:.6g} {result['means'][1]:.6g}")
     lines += [f"  {note}" for note in result.get("notes", [])]
@@ -65,18 +64,38 @@ def commit():
     return done.stdout.strip() or "unknown"
 
 
+def aims(results):
+    """A line for each aim."""
+    lines = ["| case | | aim | measured | |", "|---|---|---|---|---|"]
+    for case in CASES:
+        figures = results.get(case.name, {}).get("figures", {})
+        for aim in case.aims:
+            what, unit, _, _ = FIGURES[aim.figure]
+            measured, end = "not measured", ""
+            row = figures.get(aim.figure)
+            if row and aim.absolute:
+                measured = f"{number(row['ours'], aim.figure)} {unit.split(' ')[0]}"
+            elif row and "ratio" in row:
+                measured = f"{row['ratio']:.1f}×"
+            if row:
+                end = REACHED[reached(aim, row)]
+            lines.append(f"| {case.name} | {what} | {wanted(aim)} | {measured} | {end} |")
+    return lines
+
+
 def markdown(results):
     """Of results in the order of the cases."""
-    lines = ["| case | | scnrender | peer | ratio (spread) | aim | |", "|---|---|---|---|---|---|---|"]
+    lines = [*aims(results), "", "All figures:", "",
+             "| case | | scnrender | peer | ratio (spread) | aim | |", "|---|---|---|---|---|---|---|"]
     notes = []
     for case in CASES:
         result = results.get(case.name)
         if not result:
             lines.append(f"| {case.name} | not measured | | | | | |")
             continue
-        for row, (what, ours, theirs, ratio, aim, reached) in enumerate(rows_of(result)):
+        for row, (what, ours, theirs, ratio, aim, end) in enumerate(rows_of(result)):
             name = f"**{case.name}** ({PEERS[case.peer]})" if row == 0 else ""
-            lines.append(f"| {name} | {what} | {ours} | {theirs} | {ratio} | {aim} | {reached} |")
+            lines.append(f"| {name} | {what} | {ours} | {theirs} | {ratio} | {aim} | {end} |")
         note = f"- {case.name}: {case.what}; {result['runs']} runs, {result['threads']} threads, at " \
                f"commit {result['commit']}, with {result['load']:.0f} jobs waiting for " \
                f"{os.cpu_count()} processors."
