@@ -1,6 +1,8 @@
 """From figures to a verdict, and against the figures kept."""
 import math
 
+from tool.scene import plural
+
 RATIO_TOLERANCE = 0.005  # of a region's mean radiance
 LARGEST_Z = 4
 LEAST_PERCENT = 99.5  # of the pixels within 0.1 %, for POV-Ray
@@ -120,3 +122,25 @@ def moved_regions(where, before, now):
             lines.append(f"{where}, {name}: the ratio was {old:.5f} and is {new:.5f} "
                          f"(+- {allowed:.5f})")
     return lines
+
+
+def kept_summary(kept, scenes):
+    """What the kept figures say of those scenes that must agree, {partner: line}."""
+    pixels, ratios, of = [], [], {"povray": 0, "cycles": 0}
+    for scene in scenes:
+        for partner, wish in scene.wishes.items():
+            part = kept.get(scene.name, {}).get(partner)
+            if wish.agrees is None or part is None:
+                continue
+            of[partner] += 1
+            if partner == "povray" and not wish.agrees:
+                pixels.append(part["percent"])
+                continue
+            for name in wish.agrees or ["(picture)"]:
+                ratios.append(part["regions"]["(picture)" if name == "picture" else name][0])
+    off = math.sqrt(sum((ratio - 1) ** 2 for ratio in ratios) / max(len(ratios), 1))
+    return {
+        "povray": f"{plural(of['povray'], 'scene')}: {min(pixels, default=0):.2f} % to {max(pixels, default=0):.2f} % "
+                  "of the pixels are within 0.1 %",
+        "cycles": f"{plural(of['cycles'], 'scene')}, {plural(len(ratios), 'region')}: mean radiance {min(ratios, default=0):.4f} to "
+                  f"{max(ratios, default=0):.4f} of ours, {100 * off:.2f} % off (root mean square)"}

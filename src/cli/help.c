@@ -43,7 +43,8 @@ static void print_main(void)
     }
     puts("  reference  completion  version");
     puts("\nThe picture stands beside the scene under its name, or where -o says; FILE `-`\n"
-         "is the standard input. Often used: -o FILE, --samples N, --size WxH, --set X=1.\n"
+         "is the standard input. Often used: -o FILE, --samples N, --size WxH, --set X=1;\n"
+         "a sheet of pictures: --sweep X=A,B; numbered ones, or a film: --frames A..B.\n"
          "Exit status: 0 done, 1 a scene has errors or fails its test, 2 wrong use, 3 a\n"
          "file can't be read or written, 4 out of memory, 130 interrupted.");
 }

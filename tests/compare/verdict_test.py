@@ -90,6 +90,26 @@ class Baseline(unittest.TestCase):
         self.assertEqual(len(verdict.moved({}, self.results(1.0, 0))), 1)
 
 
+class Kept(unittest.TestCase):
+    def scene(self, name, **wishes):
+        with tempfile.NamedTemporaryFile("w", suffix=".scn") as file:
+            scene = Directives(file.name)
+        scene.name = name
+        for partner, regions in wishes.items():
+            scene.wishes[partner].agrees = regions
+        return scene
+
+    def test_summary(self):
+        kept = {"a": {"povray": {"percent": 99.9, "regions": {}},
+                      "cycles": {"percent": 1, "regions": {"(picture)": [0.999, 0], "x": [1.003, 0], "y": [2, 0]}}},
+                "b": {"povray": {"percent": 10, "regions": {}}}}
+        lines = verdict.kept_summary(kept, [self.scene("a", povray=[], cycles=["x", "picture"]),
+                                            self.scene("b"), self.scene("new", cycles=[])])
+        self.assertEqual(lines["povray"], "1 scene: 99.90 % to 99.90 % of the pixels are within 0.1 %")
+        self.assertEqual(lines["cycles"], "1 scene, 2 regions: mean radiance 0.9990 to 1.0030 of ours, "
+                                          "0.22 % off (root mean square)")  # sqrt((.1² + .3²)/2)
+
+
 class Comments(unittest.TestCase):
     def read(self, text):
         with tempfile.TemporaryDirectory() as folder:
