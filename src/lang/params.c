@@ -378,7 +378,8 @@ static void json_value(Eval *ev, FILE *out, Value v)
     }
 }
 
-static void json_param(Eval *ev, Env *env, uint32_t slot, AstId item, FILE *out)
+// `space`: the namespace of an imported file, with its dot; or "".
+static void json_param(Eval *ev, Env *env, uint32_t slot, AstId item, const char *space, FILE *out)
 {
     ParamWords words = param_words(env->module, item);
     Value v = force_slot(ev, env, slot, item);
@@ -388,7 +389,9 @@ static void json_param(Eval *ev, Env *env, uint32_t slot, AstId item, FILE *out)
         standard.dim = (uint8_t)kind->dim;
     }
     fputs("{\"name\": ", out);
-    json_string(out, symbol_name(ev->names, item_symbol(env->module, item)));
+    TextBuffer name = {0};
+    text_add(ev, &name, "%s%s", space, symbol_name(ev->names, item_symbol(env->module, item)).at);
+    json_string(out, (Str){name.text, name.length});
     fprintf(out, ", \"type\": \"%s\", \"default\": ", kind ? kind->name : "");
     json_value(ev, out, standard);
     fputs(", \"value\": ", out);
@@ -413,16 +416,48 @@ static void json_param(Eval *ev, Env *env, uint32_t slot, AstId item, FILE *out)
     fputc('}', out);
 }
 
-void params_write_json(Eval *ev, Module *module, FILE *out)
+static void json_params(Eval *ev, const Module *module, const char *space, bool *first, FILE *out)
 {
-    bool first = true;
-    fputc('[', out);
     for (uint32_t slot = 0; slot < module->globals.count; ++slot) {
         AstId item = module->globals.items[slot].item;
         if (module->ast.nodes.items[item].tag == AST_PARAM) {
-            fputs(first ? "\n  " : ",\n  ", out);
-            json_param(ev, module->env, slot, item, out);
-            first = false;
+            fputs(*first ? "\n  " : ",\n  ", out);
+            json_param(ev, module->env, slot, item, space, out);
+            *first = false;
+        }
+    }
+}
+
+// The file that a global of `module` imports, if it is sound and no global before imports it, too.
+static const Module *imported_first(Eval *ev, const Module *module, uint32_t slot)
+{
+    const AstNode *nodes = module->ast.nodes.items;
+    const AstNode *import = &nodes[module->globals.items[slot].item];
+    if (import->tag != AST_IMPORT || import->aux == 0) {
+        return NULL;
+    }
+    for (uint32_t before = 0; before < slot; ++before) {
+        const AstNode *other = &nodes[module->globals.items[before].item];
+        if (other->tag == AST_IMPORT && other->aux == import->aux) {
+            return NULL;
+        }
+    }
+    const Module *imported = ev->modules.items[import->aux - 1];
+    return imported->failed || !imported->env || imported == module ? NULL : imported;
+}
+
+void params_write_json(Eval *ev, const Module *module, FILE *out)
+{
+    bool first = true;
+    fputc('[', out);
+    json_params(ev, module, "", &first, out);
+    for (uint32_t slot = 0; slot < module->globals.count; ++slot) {
+        const Module *imported = imported_first(ev, module, slot);
+        if (imported) {
+            TextBuffer space = {0};
+            text_add(ev, &space, "%s.",
+                     symbol_name(ev->names, module->globals.items[slot].name).at);
+            json_params(ev, imported, space.text, &first, out);
         }
     }
     fputs(first ? "]\n" : "\n]\n", out);

@@ -12,7 +12,8 @@ typedef struct ParamRange {
 
 // What stands after `in`; `dim` is that of the param. False after a report.
 bool param_range(Eval *ev, Env *env, AstId item, uint8_t dim, ParamRange *out);
-// All params of a file as a JSON array.
-void params_write_json(Eval *ev, Module *module, FILE *out);
+// All params of a file as a JSON array, then those of the files that it imports itself, as
+// `namespace.name`: what can be set from outside.
+void params_write_json(Eval *ev, const Module *module, FILE *out);
 
 #endif

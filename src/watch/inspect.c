@@ -2,6 +2,7 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
+#include "render/integrators/surface_hit.h"
 #include "schema/photometry.h"
 
 #include <cjson/cJSON.h>
@@ -9,6 +10,7 @@
 #include <string.h>
 
 enum { MOST_LIGHTS = 1024, LIGHT_SAMPLES = 16384, SAMPLES_OF_LIGHT = 256, LISTED_LIGHTS = 3 };
+enum { MATERIAL_SAMPLES = 1024 };
 
 typedef struct Seen {
     const Snapshot *picture;
@@ -120,92 +122,196 @@ static cJSON *light_json(const Seen *seen, uint32_t index)
 
 // --- Lights --------------------------------------------------------------------------------------
 
+// What a light does at the point that is seen, with what stands in between, as luminances.
+typedef struct LightEffect {
+    double irradiance; // on the side that is seen, W/m²
+    double radiance;   // that is scattered from it to the viewer by the material, W/m²/sr
+} LightEffect;
+
 // The k-th point of a sequence that fills the unit cube evenly: Roberts 2018, "The Unreasonable
 // Effectiveness of Quasirandom Sequences", R3.
 static Vec3 even_point(uint32_t k)
 {
-    const double g = 1.22074408460575947536;
+    const double g = 1.22074408460475947536;
     double x = 0.5 + k / g, y = 0.5 + k / (g * g), z = 0.5 + k / (g * g * g);
     return vec3(x - floor(x), y - floor(y), z - floor(z));
 }
 
-// One estimate of what a light gives to the side of the surface that is seen: irradiance as its
-// luminance, W/m², with what stands in between.
-static double sample_light(const Seen *seen, Vec3 normal, const Light *light, Vec3 u)
+// Where lights are looked for, and how the material looks from the camera.
+typedef struct Receiver {
+    const Seen *seen;
+    LightReceiver at;
+    ShadingPoint point;
+    const WorldMaterial *material;
+} Receiver;
+
+static Receiver make_receiver(const Seen *seen)
 {
-    const Surface *surface = &seen->surface;
+    Receiver r = {.seen = seen, .material = world_material(seen->world, seen->surface.material)};
+    shading_point(seen->world, &seen->surface, seen->ray.direction, &r.point);
+    Vec3 normal = seen->surface.geometric;
+    r.at = (LightReceiver){seen->surface.p,
+                           dot(normal, seen->ray.direction) > 0 ? neg(normal) : normal};
+    return r;
+}
+
+static double finite_luminance(Rgb color, double weight)
+{
+    const double value = (double)luminance(color) * weight;
+    return isfinite(value) ? value : 0;
+}
+
+// One estimate by a direction to the light; `weight` is what stands for the choice of the light.
+// The radiance is weighted against sample_material, which finds the same light.
+static void sample_light(const Receiver *r, const Light *light, float chance, double weight, Vec3 u,
+                         LightEffect *sum)
+{
+    const Seen *seen = r->seen;
     LightSample sample;
     if (!light->class->sample ||
-        !light->class->sample(seen->world, light, surface->p, u.x, u.y, u.z, &sample)) {
-        return 0;
+        !light->class->sample(seen->world, light, seen->surface.p, u.x, u.y, u.z, &sample) ||
+        !(sample.pdf > 0)) {
+        return;
     }
-    double cosine = dot(normal, sample.direction);
-    if (!(cosine > 0) || !(sample.pdf > 0)) {
-        return 0;
+    Ray ray = light_sample_ray(&seen->surface, &sample);
+    const Rgb passed = rgb_mul(sample.value, world_visibility(seen->world, &ray));
+    if (rgb_is_black(passed)) {
+        return;
     }
-    Ray ray = light_sample_ray(surface, &sample);
-    Rgb passed = rgb_mul(sample.value, world_visibility(seen->world, &ray));
-    double estimate = (double)luminance(passed) * cosine / (double)sample.pdf;
-    return isfinite(estimate) ? estimate : 0;
+    weight /= (double)sample.pdf;
+    const double cosine = dot(r->at.normal, sample.direction);
+    if (cosine > 0) {
+        sum->irradiance += finite_luminance(passed, cosine * weight);
+    }
+    if (r->material->lobes & LOBE_SMOOTH) {
+        BsdfEval bsdf;
+        material_evaluate(&r->point, r->material, to_local(&r->point.frame, sample.direction),
+                          &bsdf);
+        const float part = sample.delta ? 1 : power_heuristic(sample.pdf * chance, bsdf.pdf);
+        sum->radiance += finite_luminance(rgb_mul(passed, bsdf.value), (double)part * weight);
+    }
 }
 
-// The irradiance from each light of the world at the point that is seen, estimated.
-static double *light_irradiances(const Seen *seen, size_t count)
+// The chance that `light` is the one that sample_light is asked about, where lights are chosen.
+static float chance_of(const Receiver *r, uint32_t light, size_t count)
 {
-    double *sums = mem_alloc_zeroed(count, sizeof *sums);
-    const LightSet *lights = seen->world->lights;
-    Vec3 normal = seen->surface.geometric;
-    normal = dot(normal, seen->ray.direction) > 0 ? neg(normal) : normal;
-    if (sums && count <= MOST_LIGHTS) {
-        uint32_t samples = (uint32_t)(LIGHT_SAMPLES / count);
-        samples = samples < SAMPLES_OF_LIGHT ? samples : SAMPLES_OF_LIGHT;
-        for (size_t i = 0; i < count; ++i) {
-            for (uint32_t k = 0; k < samples; ++k) {
-                sums[i] += sample_light(seen, normal, light_set_get(lights, i), even_point(k));
-            }
-            sums[i] /= samples;
-        }
-    } else if (sums) {
-        LightReceiver receiver = {seen->surface.p, normal};
-        for (uint32_t k = 0; k < LIGHT_SAMPLES; ++k) {
-            float chance;
-            double choice = (double)hash_to_float(hash_u32(k));
-            uint32_t i = light_choose(lights, &receiver, choice, &chance);
-            if (i != NONE_ID && chance > 0) {
-                sums[i] += sample_light(seen, normal, light_set_get(lights, i), even_point(k)) /
-                           (double)chance / LIGHT_SAMPLES;
-            }
-        }
-    }
-    return sums;
+    return count <= MOST_LIGHTS ? 1 : light_chance(r->seen->world->lights, &r->at, light);
 }
 
+// The part of what a ray found that isn't sample_light's.
+static float hit_part(const Receiver *r, uint32_t index, Vec3 direction, const Surface *hit,
+                      const BsdfSample *s, size_t count)
+{
+    const Light *light = light_set_get(r->seen->world->lights, index);
+    if (s->lobes & LOBE_DELTA || !light->class->pdf || !light->class->sample) {
+        return 1;
+    }
+    return power_heuristic(s->pdf,
+                           chance_of(r, index, count) *
+                               light->class->pdf(r->seen->world, light, r->at.p, direction, hit));
+}
+
+// One estimate by a direction that the material chooses: what mirrors show, and lights that are
+// hard to sample.
+static void sample_material(const Receiver *r, Vec3 u, size_t count, double weight,
+                            LightEffect *effects)
+{
+    const World *world = r->seen->world;
+    BsdfSample s;
+    if (!material_choose(&r->point, r->material, (float)u.z, (float)u.x, (float)u.y, &s) ||
+        s.lobes & LOBE_PASS) {
+        return;
+    }
+    const Vec3 direction = renormalize(from_local(&r->point.frame, s.wi));
+    const Ray ray = surface_spawn(&r->seen->surface, direction);
+    Hit hit;
+    if (accel_intersect(world->accel, &ray, &hit)) {
+        Surface surface;
+        accel_surface(world->accel, &ray, &hit, &surface);
+        const uint32_t index = light_of_surface(world, &surface);
+        const Light *light = index != NONE_ID ? light_set_get(world->lights, index) : NULL;
+        if (light && light->class->emitted) {
+            const Rgb found = rgb_mul(s.weight, light->class->emitted(world, light, &surface));
+            const float part = hit_part(r, index, direction, &surface, &s, count);
+            effects[index].radiance += finite_luminance(found, (double)part * weight);
+        }
+        return;
+    }
+    uint32_t infinite_count;
+    const uint32_t *infinite = light_set_infinite(world->lights, &infinite_count);
+    for (uint32_t i = 0; i < infinite_count; ++i) {
+        const Light *light = light_set_get(world->lights, infinite[i]);
+        const Rgb found = rgb_mul(s.weight, light->class->escaped(world, light, direction));
+        const float part = hit_part(r, infinite[i], direction, NULL, &s, count);
+        effects[infinite[i]].radiance += finite_luminance(found, (double)part * weight);
+    }
+}
+
+// The effects of all lights of the world at the point that is seen, estimated.
+static LightEffect *light_effects(const Seen *seen, size_t count)
+{
+    LightEffect *effects = mem_alloc_zeroed(count, sizeof *effects);
+    const LightSet *lights = seen->world->lights;
+    if (!effects) {
+        return NULL;
+    }
+    const Receiver r = make_receiver(seen);
+    uint32_t samples = (uint32_t)(LIGHT_SAMPLES / count);
+    samples = samples < SAMPLES_OF_LIGHT ? samples : SAMPLES_OF_LIGHT;
+    for (size_t i = 0; count <= MOST_LIGHTS && i < count; ++i) {
+        for (uint32_t k = 0; k < samples; ++k) {
+            sample_light(&r, light_set_get(lights, i), 1, 1.0 / samples, even_point(k),
+                         &effects[i]);
+        }
+    }
+    for (uint32_t k = 0; count > MOST_LIGHTS && k < LIGHT_SAMPLES; ++k) {
+        float chance;
+        const uint32_t i = light_choose(lights, &r.at, (double)hash_to_float(hash_u32(k)), &chance);
+        if (i != NONE_ID && chance > 0) {
+            sample_light(&r, light_set_get(lights, i), chance, 1 / ((double)chance * LIGHT_SAMPLES),
+                         even_point(k), &effects[i]);
+        }
+    }
+    for (uint32_t k = 0; k < MATERIAL_SAMPLES; ++k) {
+        sample_material(&r, even_point(k), count, 1.0 / MATERIAL_SAMPLES, effects);
+    }
+    return effects;
+}
+
+// Those that give the viewer most; where the material sends nothing to the viewer (it is black, or
+// what is seen is behind it), those that give the surface most.
 static void add_lights(const Seen *seen, cJSON *json)
 {
-    size_t count = light_set_count(seen->world->lights);
-    double *irradiances = count > 0 ? light_irradiances(seen, count) : NULL;
+    const size_t count = light_set_count(seen->world->lights);
+    LightEffect *effects = count > 0 ? light_effects(seen, count) : NULL;
     cJSON *list = cJSON_AddArrayToObject(json, "lights");
-    double all = 0;
-    for (size_t i = 0; irradiances && i < count; ++i) {
-        all += irradiances[i];
+    double irradiance = 0, radiance = 0;
+    for (size_t i = 0; effects && i < count; ++i) {
+        irradiance += effects[i].irradiance;
+        radiance += effects[i].radiance;
     }
-    cJSON_AddNumberToObject(json, "irradiance", all);
-    for (int rank = 0; irradiances && rank < LISTED_LIGHTS; ++rank) {
+    cJSON_AddNumberToObject(json, "irradiance", irradiance);
+    cJSON_AddNumberToObject(json, "direct_luminance", radiance * LUMENS_PER_WATT);
+    for (int rank = 0; effects && rank < LISTED_LIGHTS; ++rank) {
         size_t best = 0;
-        for (size_t i = 1; i < count; ++i) {
-            best = irradiances[i] > irradiances[best] ? i : best;
+        double most = 0;
+        for (size_t i = 0; i < count; ++i) {
+            const double effect = radiance > 0 ? effects[i].radiance : effects[i].irradiance;
+            best = effect > most ? i : best;
+            most = fmax(effect, most);
         }
-        if (!(irradiances[best] > 0)) {
+        if (!(most > 0)) {
             break;
         }
         cJSON *light = light_json(seen, (uint32_t)best);
-        cJSON_AddNumberToObject(light, "irradiance", irradiances[best]);
-        cJSON_AddNumberToObject(light, "illuminance", irradiances[best] * LUMENS_PER_WATT);
-        cJSON_AddNumberToObject(light, "share", irradiances[best] / all);
+        cJSON_AddNumberToObject(light, "irradiance", effects[best].irradiance);
+        cJSON_AddNumberToObject(light, "illuminance", effects[best].irradiance * LUMENS_PER_WATT);
+        cJSON_AddNumberToObject(light, "luminance", effects[best].radiance * LUMENS_PER_WATT);
+        cJSON_AddNumberToObject(light, "share", most / (radiance > 0 ? radiance : irradiance));
         cJSON_AddItemToArray(list, light);
-        irradiances[best] = 0;
+        effects[best] = (LightEffect){0, 0};
     }
-    mem_free(irradiances);
+    mem_free(effects);
 }
 
 // The lights at infinity that a ray into the open sees.

@@ -6,6 +6,7 @@
 #include "render/render.h"
 
 #include <cjson/cJSON.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
@@ -194,25 +195,6 @@ static void write_camera(const Session *session, Text *text)
     }
 }
 
-static void command_camera(const Session *session, Text *text)
-{
-    Text camera = {0};
-    write_camera(session, &camera);
-    const Scene *scene = session->shown ? &session->shown->scene : NULL;
-    uint32_t number = scene ? session_camera(session, scene) : NONE_ID;
-    const char *name = number != NONE_ID
-                           ? scene->names.items[scene_node(scene, CATEGORY_CAMERA, number)->name]
-                           : "";
-    if (camera.length > 0) {
-        text_shell_word(text, "--camera");
-        text_shell_word(text, camera.bytes);
-    } else if (number != NONE_ID && number > 0 && *name) {
-        text_shell_word(text, "--camera");
-        text_shell_word(text, name);
-    }
-    text_free(&camera);
-}
-
 static void command_option(Text *text, const char *option, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -238,20 +220,39 @@ static void command_setting(Text *text, Str name, Str value)
     text_free(&setting);
 }
 
-static void write_command(const Session *session, Text *text)
+static void command_camera(Text *text, const Scene *scene, uint32_t number, const char *pose)
 {
-    const SessionOptions *options = &session->options;
+    const char *name = scene && number != NONE_ID
+                           ? scene->names.items[scene_node(scene, CATEGORY_CAMERA, number)->name]
+                           : "";
+    if (*pose || (number > 0 && *name)) {
+        text_shell_word(text, "--camera");
+        text_shell_word(text, *pose ? pose : name);
+    }
+}
+
+// Those that aren't what they are without being named.
+static void command_limits(Text *text, const Limits *limits)
+{
+    const Limits standard = limits_default();
+#define LIMIT(id, value, explanation)                                                              \
+    if (limits->id != standard.id) {                                                               \
+        command_option(text, "--limit", #id "=%" PRIu64, limits->id);                              \
+    }
+    LIMITS(LIMIT)
+#undef LIMIT
+}
+
+static void command_scene(Text *text, const SessionOptions *options)
+{
     text_shell_word(text, "scnrender");
     text_shell_word(text, "render");
     text_shell_word(text, options->scene.file);
-    for (size_t i = 0; i < options->scene.setting_count; ++i) {
-        command_setting(text, options->scene.settings[i].name, options->scene.settings[i].value);
-    }
-    for (size_t i = 0; i < session->overrides.count; ++i) {
-        command_setting(text, str_from(session->overrides.items[i].name),
-                        str_from(session->overrides.items[i].value));
-    }
-    command_camera(session, text);
+}
+
+// What stands behind the settings and the camera.
+static void command_rest(Text *text, const SessionOptions *options)
+{
     if (options->width > 0) {
         command_option(text, "--size", "%dx%d", options->width, options->height);
     }
@@ -261,17 +262,57 @@ static void write_command(const Session *session, Text *text)
     if (options->seed >= 0) {
         command_option(text, "--seed", "%lld", (long long)options->seed);
     }
-    FilmParams film =
-        session->shown ? scene_film(&session->shown->scene) : (FilmParams){.exposure = NAN};
-    if (!isnan(session->exposure) && session->exposure != film.exposure) {
-        command_option(text, "--exposure", "%.6g", session->exposure);
-    }
-    if (session->tone >= 0 && session->tone != film.tone) {
-        command_option(text, "--tone", "%s", tone_names[session->tone]);
-    }
     for (size_t i = 0; i < options->scene.folder_count; ++i) {
         text_shell_word(text, "--allow-path");
         text_shell_word(text, options->scene.folders[i]);
+    }
+    command_limits(text, &options->scene.limits);
+}
+
+void session_command_look(Text *text, const FilmParams *film, double exposure, int tone)
+{
+    if (!isnan(exposure) && exposure != film->exposure) {
+        command_option(text, "--exposure", "%.6g", exposure);
+    }
+    if (tone >= 0 && tone != film->tone) {
+        command_option(text, "--tone", "%s", tone_names[tone]);
+    }
+}
+
+Text session_command_of(const SessionOptions *options, const Loaded *loaded, uint32_t camera,
+                        const char *pose)
+{
+    Text text = {0};
+    command_scene(&text, options);
+    for (size_t i = 0; i < loaded->lang.setting_count; ++i) {
+        command_setting(&text, loaded->settings[i].name, loaded->settings[i].value);
+    }
+    command_camera(&text, &loaded->scene, camera, pose);
+    command_rest(&text, options);
+    return text;
+}
+
+static void write_command(const Session *session, Text *text)
+{
+    const SessionOptions *options = &session->options;
+    const Scene *scene = session->shown ? &session->shown->scene : NULL;
+    command_scene(text, options);
+    for (size_t i = 0; i < options->scene.setting_count; ++i) {
+        command_setting(text, options->scene.settings[i].name, options->scene.settings[i].value);
+    }
+    for (size_t i = 0; i < session->overrides.count; ++i) {
+        command_setting(text, str_from(session->overrides.items[i].name),
+                        str_from(session->overrides.items[i].value));
+    }
+    Text pose = {0};
+    write_camera(session, &pose);
+    command_camera(text, scene, scene ? session_camera(session, scene) : NONE_ID,
+                   pose.bytes ? pose.bytes : "");
+    text_free(&pose);
+    command_rest(text, options);
+    if (session->shown) {
+        const FilmParams film = scene_film(&session->shown->scene);
+        session_command_look(text, &film, session->exposure, session->tone);
     }
 }
 

@@ -27,6 +27,7 @@ typedef struct Worker {
     Loaded *loaded; // what is rendered; NULL: nothing was sound yet
     Renderer *renderer;
     bool done;
+    Text command;    // the command line of what is rendered, but for exposure and tone
     Snapshot *under; // the coarse picture
     double speed;    // samples a second, as last measured; 0: not yet
     double restarted_at, slice_ends, status_at, picture_seconds;
@@ -135,8 +136,16 @@ static void publish(Worker *w, Snapshot *picture)
 
 static Snapshot *take_picture(Worker *w, Renderer *renderer, const Snapshot *under)
 {
-    return snapshot_new(renderer_film(renderer), renderer_film_params(renderer),
-                        renderer_camera(renderer), w->loaded, under);
+    Snapshot *picture = snapshot_new(renderer_film(renderer), renderer_film_params(renderer),
+                                     renderer_camera(renderer), w->loaded, under);
+    const size_t size = w->command.length + 1;
+    if (picture && w->command.bytes && !w->command.failed) {
+        picture->command = mem_alloc(size, 1);
+    }
+    if (picture && picture->command) {
+        memcpy(picture->command, w->command.bytes, size);
+    }
+    return picture;
 }
 
 // --- Starting anew -------------------------------------------------------------------------------
@@ -162,15 +171,18 @@ static View take_view(Worker *w)
     view.moved = session->moved;
     CameraPose pose = session->pose;
     pthread_mutex_unlock(&session->lock);
+    Text text = {0};
     if (view.moved) {
-        Text text = {0};
         char message[200];
         const Schema *schema = w->loaded->scene.schema;
         pose_text(&pose, schema, &text);
         view.moved = !text.failed &&
                      camera_from_text(schema, text.bytes, &view.params, message, sizeof message);
-        text_free(&text);
     }
+    text_free(&w->command);
+    w->command =
+        session_command_of(&session->options, w->loaded, view.camera, view.moved ? text.bytes : "");
+    text_free(&text);
     return view;
 }
 
@@ -436,5 +448,6 @@ void *session_work(void *context)
     arena_free(&job.arena);
     drop_renderer(&w);
     loaded_release(w.loaded);
+    text_free(&w.command);
     return NULL;
 }

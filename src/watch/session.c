@@ -210,12 +210,13 @@ static char *copy_text(const char *text)
     return copy ? memcpy(copy, text, size) : NULL;
 }
 
+// A name, or those of a namespace and of a param of its file.
 static bool is_name(const char *name)
 {
     size_t length = strlen(name);
     for (size_t i = 0; i < length; ++i) {
         unsigned char c = (unsigned char)name[i];
-        if (c < 128 && c != '_' && !(c >= '0' && c <= '9') && !(c >= 'a' && c <= 'z') &&
+        if (c < 128 && c != '_' && c != '.' && !(c >= '0' && c <= '9') && !(c >= 'a' && c <= 'z') &&
             !(c >= 'A' && c <= 'Z')) {
             return false;
         }

@@ -65,6 +65,14 @@ bool session_params_are_whole(const Text *params);
 // Does the scene have a param of that name, whose setting it took?
 bool session_param_is_good(const Loaded *loaded, Str name);
 
+// The command line that gives what is rendered of `loaded`, but for the exposure and the tone
+// curve: `pose` is the moved camera's text, or "".
+Text session_command_of(const SessionOptions *options, const Loaded *loaded, uint32_t camera,
+                        const char *pose);
+// The exposure and tone curve that aren't the film's (NAN, and -1: they are), as further words of
+// it.
+void session_command_look(Text *text, const FilmParams *film, double exposure, int tone);
+
 // The thread.
 void *session_work(void *session);
 

@@ -87,6 +87,7 @@ Snapshot *snapshot_new(const Film *film, const FilmParams *params, const Camera 
         return NULL;
     }
     take_film(snapshot, film, under);
+    snapshot->relative = film_error(film, SNAPSHOT_CONFIDENCE, 0);
     return snapshot;
 }
 
@@ -102,6 +103,7 @@ void snapshot_release(Snapshot *snapshot)
         loaded_release(snapshot->loaded);
         mem_free(snapshot->radiance);
         mem_free(snapshot->variance);
+        mem_free(snapshot->command);
         mem_free(snapshot);
     }
 }

@@ -18,6 +18,22 @@ expect_text a.exr "size=2"
 expect_text a.exr "shade=0.5"
 run ball.scn -o b.exr --set size=2 --set shade=0.9
 expect_text b.exr "shade=0.9"
+cat >uses.scn <<'END'
+import "lib.scn" as lib
+import "lib.scn" as again
+param own: int = 1
+camera { position: (0, 0, 5), look_at: (0, 0, 0) }
+environment_light {}
+sphere { radius: lib.size, center: (lib.deep_x, again.size, own) }
+END
+printf 'import "deep.scn" as deep\nparam size: length = 1m in 0m..3m "How large"\nlet deep_x = deep.x\n' >lib.scn
+printf 'param x: length = 2m\n' >deep.scn
+run params uses.scn --set lib.size=2m
+expect_code 0
+expect_text out '"name": "own"'
+expect_text out '"name": "lib.size", "type": "length", "default": "1m", "value": "2m", "min": "0m", "max": "3m", "description": "How large"'
+[ "$(grep -c '"name"' out)" = 2 ] || fail "$last: not what can be set, once each"
+
 run check ball.scn --set sise=2
 expect_code 1
 expect_text err "size"

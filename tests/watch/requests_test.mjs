@@ -105,9 +105,77 @@ test("a pixel is explained", async () => {
   assert.ok(Math.abs(lamp.irradiance / ((2000 * cosine) / (4 * Math.PI * d * d)) - 1) < 0.05, `${lamp.irradiance}`);
   const around = hit.lights[1].irradiance;
   assert.ok(Math.abs(around / (0.5 * Math.PI) - 1) < 0.1, `${around}`);
+  allOfIt(hit);
+  // Of a matt surface the light's part is that of the irradiance: 3.09 to 1.57.
+  assert.ok(Math.abs(lamp.share - lamp.irradiance / (lamp.irradiance + around)) < 0.03, `${lamp.share}`);
   const miss = await json("pixel?x=0.01&y=0.01");
   assert.equal(miss.hit, false);
   assert.equal(miss.lights[0].kind, "environment_light");
+});
+
+// The ball is all that there is: what comes directly is all that is seen, up to the picture's noise.
+function allOfIt(pixel) {
+  const off = Math.abs(pixel.direct_luminance - pixel.luminance);
+  assert.ok(off < 5 * pixel.luminance_error + 0.03 * pixel.luminance, `${pixel.direct_luminance}, and ${pixel.luminance} ± ${pixel.luminance_error}`);
+}
+
+test("the light that is told is the one that the material shows", async () => {
+  // A polished ball shows its surroundings here; the lamp, which gives it more, stands beside the reflection.
+  await post("set?name=rough&value=false");
+  await until("the polished ball", async () => (await json("pixel?x=0.5&y=0.5")).material.kind === "ggx");
+  await done();
+  const polished = await json("pixel?x=0.5&y=0.5");
+  assert.equal(polished.lights[0].kind, "environment_light");
+  assert.ok(polished.lights[0].share > 0.8 && polished.lights[0].irradiance < polished.lights[1].irradiance);
+  // f0 = 0.216 of the radiance 0.5 all around, as luminance; alpha 0.1 loses next to nothing.
+  assert.ok(Math.abs(polished.lights[0].luminance / (683 * 0.2159 * 0.5) - 1) < 0.1, `${polished.lights[0].luminance}`);
+  allOfIt(polished);
+  // A mirror in which the lamp stands: halfway between the eye at (0, 0, 5) and the lamp at (3, 3, 3).
+  saveByRename(file, scene.replace(/  material: if .*\n/, "  material: mirror {}\n").replace("(3, 3, 3)", "(0, 0, 12)").replace("radius: 0.4", "radius: 0.8"));
+  await until("the mirror", async () => (await json("pixel?x=0.5&y=0.5")).material.kind === "mirror");
+  const mirror = await json("pixel?x=0.5&y=0.5");
+  assert.equal(mirror.lights[0].name, "lamp");
+  assert.ok(mirror.lights[0].share > 0.999 && mirror.lights[0].luminance > 1000);
+  await post("reset");
+  saveByRename(file, scene);
+  await until("the old scene", async () => (await json("pixel?x=0.5&y=0.5")).material.kind === "lambert");
+  await done();
+});
+
+test("a saved picture says what it is of", async () => {
+  await post("look?exposure=1&tone=2");
+  await done();
+  const { command } = (await json("state")).view;
+  for (const type of ["png", "exr"]) {
+    const saved = Buffer.from(await (await fetch(address + "save?type=" + type)).arrayBuffer()).toString("latin1");
+    for (const text of ["scnrender:scene", "scene.scn", "scnrender:command", command, "scnrender:samples", "scnrender:error"]) {
+      assert.ok(saved.includes(text), `${type}: ${text}`);
+    }
+  }
+  assert.ok(command.endsWith("--exposure 1 --tone aces"), command);
+  await post("look");
+});
+
+test("limits stand in the command line", async () => {
+  const limited = await watch(file, "--limit", "nesting=150", "--limit", "steps=1000000");
+  assert.ok((await (await fetch(limited.address + "state")).json()).view.command.endsWith("scene.scn --limit nesting=150 --limit steps=1000000"));
+  await limited.end();
+});
+
+test("params of imported files", async () => {
+  fs.writeFileSync(path.join(folder, "lib.scn"), 'param far: length = 0m in -1m..1m "How far"\nlet at = (far, 0, 0)\n');
+  saveByRename(file, scene.replace("film", 'import "lib.scn" as lib\nfilm').replace("center: place", "center: lib.at"));
+  await until("the param", () => state.scene.params.length === 6);
+  assert.deepEqual(state.scene.params[5], { name: "lib.far", type: "length", default: "0m", value: "0m", min: "-1m", max: "1m", description: "How far" });
+  await done();
+  const before = await picture();
+  assert.equal((await post("set?name=lib.far&value=0.5m")).status, 204);
+  await until("the ball elsewhere", async () => Buffer.compare((await picture()).bytes, before.bytes) !== 0 && state.scene.params[5].value === "0.5m");
+  await until("the command line", () => state.view.command.endsWith("scene.scn --set lib.far=0.5m"));
+  await post("reset");
+  saveByRename(file, scene);
+  await until("the old scene", () => state.scene.params.length === 5);
+  await done();
 });
 
 test("a focus, and a refusal of one", async () => {

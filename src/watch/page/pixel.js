@@ -31,7 +31,7 @@ function row(list, name, ...content) {
 function addLights(list, pixel) {
   if (pixel.emits) row(list, "emits as", ...nodeText(pixel.emits));
   pixel.lights.forEach((light, i) => {
-    const share = light.share === undefined ? "" : ` ${(light.share * 100).toFixed(0)} % of its light, ${digits(light.illuminance, 3)} lx`;
+    const share = light.share === undefined ? "" : ` ${(light.share * 100).toFixed(0)} % of its direct light, ${digits(light.illuminance, 3)} lx`;
     row(list, i === 0 ? (pixel.hit ? "lit by" : "seen") : "and", ...nodeText(light), share ? element("span", { class: "hint" }, share) : "");
   });
   if (pixel.hit && pixel.lights.length === 0) row(list, "lit by", "no light directly");
