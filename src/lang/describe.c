@@ -253,6 +253,7 @@ static void add_transform_text(Eval *ev, TextBuffer *out, const Affine *map)
 void text_add_value(Eval *ev, TextBuffer *out, Value v, bool quoted)
 {
     if (!count_step(ev, out->at)) {
+        text_add(ev, out, "%s", ""); // a text all the same
         return;
     }
     if (stack_is_deep(ev)) {

@@ -361,7 +361,7 @@ static void json_value(Eval *ev, FILE *out, Value v)
     if (is_bare(v) || v.type == VALUE_BOOL) {
         TextBuffer text = {0};
         text_add_value(ev, &text, v, false);
-        fputs(text.text, out);
+        fputs(text.length ? text.text : "null", out); // nothing: evaluation was stopped
     } else if (v.type == VALUE_LIST) {
         fputc('[', out);
         for (uint32_t i = 0; i < v.count; ++i) {

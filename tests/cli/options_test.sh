@@ -33,6 +33,11 @@ expect_code 0
 expect_text out '"name": "own"'
 expect_text out '"name": "lib.size", "type": "length", "default": "1m", "value": "2m", "min": "0m", "max": "3m", "description": "How large"'
 [ "$(grep -c '"name"' out)" = 2 ] || fail "$last: not what can be set, once each"
+# Wherever it is stopped, it ends in good order.
+for steps in 1 2 3 4 5 6 7 8 9 10 11 12 14 16 20; do
+    run params uses.scn --limit steps=$steps
+    [ "$code" -le 1 ] || fail "$last: exit status $code"
+done
 
 run check ball.scn --set sise=2
 expect_code 1
