@@ -10,8 +10,9 @@
 // Numbers of the sampler for each surface, two sets of four: two on the light, choice of the light
 // and of its part; two for the direction, choice of the lobe, roulette.
 enum { DIMENSIONS_PER_SURFACE = 8 };
-// Roulette begins after this many scatterings.
-enum { ROULETTE_START = 3 };
+// Roulette begins after this many scatterings: those before are stratified over a pixel's samples,
+// which roulette would undo.
+enum { ROULETTE_START = 5 };
 
 typedef struct Path {
     const World *world;
@@ -181,7 +182,9 @@ static void add_direct(Path *path, const ShadingPoint *point, const WorldMateria
 }
 
 // Ends paths by chance, the dimmer the sooner; what survives is brighter by as much. That radiance
-// is squeezed in glass doesn't make a path dim.
+// is squeezed in glass doesn't make a path dim. By the root of the throughput: a dim path costs few
+// rays more, and may be the one that finds the sun; in the long run the chance to survive a
+// scattering is its albedo, as it would be by the throughput itself.
 static bool roulette(Path *path, float number)
 {
     if (!path->world->russian_roulette || path->depth < ROULETTE_START) {
@@ -191,6 +194,7 @@ static bool roulette(Path *path, float number)
     if (survival >= 1) {
         return true;
     }
+    survival = sqrtf(survival);
     if (!(number < survival)) {
         return false;
     }
