@@ -2,8 +2,7 @@
 # Renders killed and taken up again have the bytes of one that was left alone. KILLS: how many at
 # least; SEED: of the moments (both for tools/nightly).
 kills=${KILLS:-20}
-longest=900 # milliseconds before a kill
-[ -z "${SANITIZE:-}" ] || { kills=4 && longest=5000; }
+[ -z "${SANITIZE:-}" ] || kills=4
 seed=${SEED:-1}
 echo "kills $kills, seed $seed"
 all_killed=0 other_bytes=0
@@ -27,14 +26,21 @@ expect_code 0
 
 # --- SIGKILL at random moments -------------------------------------------------------------------
 
-# milliseconds N: a random delay, the same for the same seed and number.
+# milliseconds_of ARGUMENTS…: of processor time that such a run takes. Moments are parts of it, so
+# that a slow machine meets the same ones.
+milliseconds_of() {
+    "$STOP_CHECK" 0 0 "$SCNRENDER" "$@" 2>err | awk '{ print int(1000 * $3) + 1 }'
+}
+# milliseconds N: a random moment of `whole_time`, the same for the same seed and number.
 milliseconds() {
-    awk -v s="$seed" -v n="$1" -v longest="$longest" 'BEGIN { srand(s * 10007 + n); for (i = 0; i < 5; ++i) rand(); print int(10 + longest * rand()) }'
+    awk -v s="$seed" -v n="$1" -v longest="$whole_time" 'BEGIN { srand(s * 10007 + n); for (i = 0; i < 5; ++i) rand(); print int(1 + 0.6 * longest * rand()) }'
 }
 # kill_often SCENE WHOLE KILLS
 kill_often() {
     scene=$1 whole=$2 wanted=$3 killed=0 finished=0 resumed=0 tries=0
     last="killing $scene"
+    rm -f c killed.exr
+    whole_time=$(milliseconds_of "$scene" -o killed.exr $keeping --threads 2)
     rm -f c killed.exr
     while { [ $killed -lt "$wanted" ] || [ $resumed -eq 0 ]; } && [ $tries -lt $((20 * wanted + 20)) ]; do
         tries=$((tries + 1))
@@ -165,11 +171,13 @@ END
 [ -z "${SANITIZE:-}" ] || sed -i 's/65536/2000/' slow.scn
 run slow.scn -o slow_whole.exr
 expect_code 0
+slow_time=$(milliseconds_of slow.scn -o slow.exr)
 for signal in 2:130 15:143 1:129; do
     last="signal ${signal%:*}"
     # (Before rendering begins a signal ends it at once, and nothing is there to be kept.)
-    for delay in 100 400 800; do
+    for part in 4 2 1.5; do
         rm -f slow slow.exr
+        delay=$(awk -v t="$slow_time" -v part=$part 'BEGIN { print int(t / part) }')
         result=$("$STOP_CHECK" "${signal%:*}" $delay "$SCNRENDER" slow.scn -o slow.exr --checkpoint slow 2>err)
         [ ! -e slow ] || break
     done

@@ -17,7 +17,10 @@ expect_text err "wants to run on a terminal"
 # On a terminal: it draws, a key ends it, and what was found is printed.
 if command -v script >/dev/null && [ -e "$BUILD_DIR/lib/scnrender/scn_chafa.so" ]; then
     last="--terminal"
-    (sleep 4; printf 'c'; sleep 1; printf 'q') |
+    : >out
+    (tries=0
+    until grep -q "8 of 8 samples" out || [ $tries -gt 600 ]; do sleep 0.1 && tries=$((tries + 1)); done
+    printf 'c'; sleep 1; printf 'q') |
         TERM=xterm-256color COLORTERM=truecolor script -qec "$SCNRENDER watch --terminal=blocks ball.scn" /dev/null >out 2>err
     code=$?
     expect_code 0

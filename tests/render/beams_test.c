@@ -1,6 +1,6 @@
 // Rendered light of spots, luminaires and suns against figures: reference checks 9, 14 and 15
 // through the whole path tracer, and crowds of lights of all kinds.
-#include "estimate.h"
+#include "paired.h"
 
 #include "render/attenuation.h"
 #include "scene/ies.h"
@@ -201,13 +201,18 @@ static void glowing_crowd(void)
             {"v", {0.5 * n[6], 0.5 * n[7], 0.5 * n[8]}}, {"material", {glow}});
     }
     const Vec3 at = vec3(0.1, 0, 0.2);
-    Running both = estimate(build(&lab, 1), meter, &at, 1 << 13, 9);
-    lab.world->sampling = SAMPLING_LIGHT;
-    Running light = estimate(lab.world, meter, &at, 1 << 13, 10);
-    lab.world->sampling = SAMPLING_BSDF;
-    Running bsdf = estimate(lab.world, meter, &at, 1 << 14, 11);
-    check_equal(&table, "200 rectangles, light = mis", light, both, 1e-2);
-    check_equal(&table, "200 rectangles, bsdf = mis", bsdf, both, 1e-2);
+    static const Way MIS = {"mis", &path_integrator, SAMPLING_MIS, false};
+    static const Way LIGHT = {"light", &path_integrator, SAMPLING_LIGHT, false};
+    static const Way BSDF = {"bsdf", &path_integrator, SAMPLING_BSDF, false};
+    static Rivals rivals;
+    rivals = (Rivals){.world = build(&lab, 1),
+                      .ray = meter,
+                      .context = &at,
+                      .first = MIS,
+                      .samples = 1 << 13,
+                      .seconds = 200};
+    rivals_compare(&table, &rivals, "7 200 rectangles, light = mis", &LIGHT, 1e-2);
+    rivals_compare(&table, &rivals, "7 200 rectangles, bsdf = mis", &BSDF, 2e-2);
     close_lab(&lab);
 }
 

@@ -1,6 +1,6 @@
 // The integrator `direct` against `path`: where no material follows rays on, direct light is all
 // that paths of one scattering bring, and the two have the same mean whatever the lights.
-#include "estimate.h"
+#include "paired.h"
 
 extern const IntegratorClass direct_integrator;
 
@@ -63,16 +63,18 @@ static void put_many(SceneMaker *m)
         {"attenuation", {PUT_DEFAULT(m, "inverse_square")}});
 }
 
+// The path tracer of one bounce is the first; the ways of sampling are the integrator's.
 static void compare(const char *name, void (*put_lights)(SceneMaker *), uint32_t samples)
 {
-    // One strategy alone is noisy in some of these scenes: more samples, and still less power.
+    static const Way PATH = {"path", &path_integrator, SAMPLING_MIS, false};
     static const struct {
-        const char *name;
-        uint32_t more;
+        Way way;
         double wanted;
-    } SAMPLINGS[] = {{"mis", 1, 0.05}, {"light", 4, 0.08}, {"bsdf", 16, 0.05}};
+    } WAYS[] = {{{"mis", &direct_integrator, SAMPLING_MIS, false}, 0.03},
+                {{"light", &direct_integrator, SAMPLING_LIGHT, false}, 0.05},
+                {{"bsdf", &direct_integrator, SAMPLING_BSDF, false}, 0.05}};
+    static Rivals rivals;
     SceneMaker maker;
-    char text[64];
     maker_init(&maker);
     put_things(&maker);
     put_lights(&maker);
@@ -81,13 +83,12 @@ static void compare(const char *name, void (*put_lights)(SceneMaker *), uint32_t
         abort();
     }
     world->bounces = 1;
-    Running path = estimate(world, window, NULL, 4 * samples, 1);
+    rivals =
+        (Rivals){.world = world, .ray = window, .first = PATH, .samples = samples, .seconds = 100};
     for (int i = 0; i < 3; ++i) {
-        world->sampling = i;
-        snprintf(text, sizeof text, "%s, %s", name, SAMPLINGS[i].name);
-        Running direct =
-            estimate_by(&direct_integrator, world, window, NULL, SAMPLINGS[i].more * samples, 2);
-        check_equal(&table, text, path, direct, SAMPLINGS[i].wanted);
+        char text[64];
+        snprintf(text, sizeof text, "7 %s, path = direct, %s", name, WAYS[i].way.name);
+        rivals_compare(&table, &rivals, text, &WAYS[i].way, WAYS[i].wanted);
     }
     world_free(world);
     maker_free(&maker);
@@ -95,9 +96,6 @@ static void compare(const char *name, void (*put_lights)(SceneMaker *), uint32_t
 
 int main(void)
 {
-    // Pairs of a material and a light are held to a tenth of that (estimators_test.c).
-    full_bias = 5e-3;
-    estimate_pairs = true;
     compare("ball, point and sky", put_few, 8192);
     compare("panels and a sun", put_panels, 8192);
     compare("forty balls", put_many, 8192);

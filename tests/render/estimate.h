@@ -47,9 +47,20 @@ typedef struct Estimate {
     RayMaker *ray;
     const void *context;
     uint32_t samples, seed;
+    bool fixed; // each replicate has one ray, the same for all seeds
     double means[REPLICATES];
     uint64_t rays[REPLICATES], bad[REPLICATES];
 } Estimate;
+
+// Numbers of a replicate's one ray, evenly spread over the replicates (Roberts 2018: R4).
+static inline void estimate_place(uint64_t item, float numbers[4])
+{
+    double power = 1; // of the root of x^5 = x + 1
+    for (int i = 0; i < 4; ++i) {
+        power /= 1.16730397826141868;
+        numbers[i] = (float)fmod(0.5 + (double)(item + 1) * power, 1);
+    }
+}
 
 static inline void estimate_replicate(void *context, uint64_t item, unsigned worker)
 {
@@ -61,8 +72,12 @@ static inline void estimate_replicate(void *context, uint64_t item, unsigned wor
         Sampler sampler;
         float numbers[4];
         sampler_start(&sampler, e->seed, (uint32_t)item, 0, i);
-        sampler_2d(&sampler, &numbers[0], &numbers[1]);
-        sampler_2d(&sampler, &numbers[2], &numbers[3]);
+        if (e->fixed) {
+            estimate_place(item, numbers);
+        } else {
+            sampler_2d(&sampler, &numbers[0], &numbers[1]);
+            sampler_2d(&sampler, &numbers[2], &numbers[3]);
+        }
         Ray ray = {.tmax = INFINITY};
         double weight = e->ray(e->context, numbers, &ray);
         sum += weight * (double)e->integrator->radiance(e->world, &ray, &sampler, NULL, &stats).g;

@@ -1,7 +1,7 @@
 // Materials in scenes, against numbers that were derived on paper: glass in slabs, stacks,
 // overlapping bodies, absorption, radiance within glass (reference checks 5 and 23); cut-outs,
 // normal maps without leaks.
-#include "estimate.h"
+#include "paired.h"
 
 #include "base/fresnel.h"
 #include "base/mem.h"
@@ -269,14 +269,18 @@ static void strategies_agree(void)
     PUT(&lab.maker, "sphere", {"center", {0.3, -0.2, 0}}, {"radius", {0.5}}, {"material", {white}});
     PUT(&lab.maker, "sphere", {"center", {0, 1.2, 0.3}}, {"radius", {0.7}}, {"material", {lit}});
     Ray ray = ray_make(vec3(1, 1, 5), normalize(vec3(-0.2, -0.21, -1)), 0, INFINITY);
-    Running means[3];
-    static const int SAMPLING[] = {SAMPLING_MIS, SAMPLING_LIGHT, SAMPLING_BSDF};
-    for (int i = 0; i < 3; ++i) {
-        build(&lab, 4)->sampling = SAMPLING[i];
-        means[i] = estimate(lab.world, single_ray, &ray, 1 << 13, 3);
-    }
-    check_equal(&table, "frosted: MIS and lights", means[0], means[1], 3e-2);
-    check_equal(&table, "frosted: MIS and BSDF", means[0], means[2], 6e-2);
+    static const Way MIS = {"mis", &path_integrator, SAMPLING_MIS, false};
+    static const Way LIGHT = {"light", &path_integrator, SAMPLING_LIGHT, false};
+    static const Way BSDF = {"bsdf", &path_integrator, SAMPLING_BSDF, false};
+    static Rivals rivals;
+    rivals = (Rivals){.world = build(&lab, 4),
+                      .ray = single_ray,
+                      .context = &ray,
+                      .first = MIS,
+                      .samples = 1 << 13,
+                      .seconds = 200};
+    rivals_compare(&table, &rivals, "7 frosted glass: light = mis", &LIGHT, 3e-2);
+    rivals_compare(&table, &rivals, "7 frosted glass: bsdf = mis", &BSDF, 6e-2);
     close_lab(&lab);
 }
 

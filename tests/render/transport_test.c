@@ -1,5 +1,5 @@
 // Light transport against numbers that were derived on paper.
-#include "estimate.h"
+#include "paired.h"
 
 #include "base/mem.h"
 
@@ -315,21 +315,26 @@ static void sampling_strategies(void)
     uint32_t sky = PUT(m, "checker", {"a", {1.5}}, {"b", {0.5}}, {"scale", {6, 3, 0}});
     PUT(m, "environment_light", {"radiance", {sky}, .texture = true});
     Ray ray = {.origin = {0, 0, 6}, .direction = {-0.1, -1.9, -5}};
-    static const char *const NAMES[] = {"", "7 light sampling = mis", "7 BSDF sampling = mis"};
-    Running mis = {0};
-    for (int sampling = 0; sampling < 3; ++sampling) {
-        build(&lab, 3)->sampling = sampling;
-        Running mean = estimate(lab.world, single_ray, &ray, 1u << 15, 10 + (uint32_t)sampling);
-        if (sampling == SAMPLING_MIS) {
-            mis = mean;
-        } else {
-            check_equal(&table, NAMES[sampling], mis, mean, 8e-3);
-        }
-    }
-    Running off = estimate(build(&lab, 8), single_ray, &ray, 1 << 14, 20);
-    build(&lab, 8)->russian_roulette = true;
-    Running on = estimate(lab.world, single_ray, &ray, 1 << 14, 21);
-    check_equal(&table, "7 roulette on = off", off, on, 8e-3);
+    static const Way MIS = {"mis", &path_integrator, SAMPLING_MIS, false};
+    static const Way LIGHT = {"light", &path_integrator, SAMPLING_LIGHT, false};
+    static const Way BSDF = {"bsdf", &path_integrator, SAMPLING_BSDF, false};
+    static const Way ROULETTE = {"roulette", &path_integrator, SAMPLING_MIS, true};
+    static Rivals rivals;
+    rivals = (Rivals){.world = build(&lab, 3),
+                      .ray = single_ray,
+                      .context = &ray,
+                      .first = MIS,
+                      .samples = 1 << 14,
+                      .seconds = 200};
+    rivals_compare(&table, &rivals, "7 light sampling = mis", &LIGHT, 1.2e-2);
+    rivals_compare(&table, &rivals, "7 BSDF sampling = mis", &BSDF, 8e-3);
+    rivals = (Rivals){.world = build(&lab, 8),
+                      .ray = single_ray,
+                      .context = &ray,
+                      .first = MIS,
+                      .samples = 1 << 14,
+                      .seconds = 200};
+    rivals_compare(&table, &rivals, "7 roulette on = off", &ROULETTE, 8e-3);
     close_lab(&lab);
 }
 
@@ -499,6 +504,7 @@ static uint32_t put_sphere_mesh(SceneMaker *maker, Vec3 center, uint32_t rows)
 static void primitive_and_mesh(void)
 {
     static const char *const NAMES[] = {"13 rectangle = mesh", "13 box = mesh", "13 sphere = mesh"};
+    estimate_pairs = true;
     for (int kind = 0; kind < 3; ++kind) {
         Running means[2];
         for (int mesh = 0; mesh < 2; ++mesh) {
@@ -538,6 +544,7 @@ static void primitive_and_mesh(void)
         }
         check_equal(&table, NAMES[kind], means[0], means[1], 2e-3);
     }
+    estimate_pairs = false;
 }
 
 // Surroundings and lights whose radiance comes from a texture, against quadrature: the upper
