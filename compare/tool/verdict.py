@@ -102,7 +102,9 @@ def moved(kept, results):
             if not before:
                 lines.append(f"{scene}, {partner}: no figures are kept")
                 continue
-            if part["percent"] < before["percent"] - 0.05:
+            # Where noise lies between them, it moves the share, too.
+            noiseless = before["percent"] >= LEAST_PERCENT
+            if noiseless and part["percent"] < before["percent"] - 0.05:
                 lines.append(f"{scene}, {partner}: {part['percent']:.2f} % of the pixels agree, "
                              f"{before['percent']:.2f} % did")
             lines += moved_regions(f"{scene}, {partner}", before["regions"], part["regions"])

@@ -86,6 +86,9 @@ class Baseline(unittest.TestCase):
     def test_fewer_pixels_agree(self):
         self.assertEqual(len(self.moved((1.0, 0), (1.0, 0, 99.9))), 1)
 
+    def test_noise_moves_the_share_of_pixels(self):
+        self.assertEqual(self.moved((1.0, 0.001, 41.0), (1.0, 0.001, 39.0)), [])
+
     def test_unknown_scene(self):
         self.assertEqual(len(verdict.moved({}, self.results(1.0, 0))), 1)
 
