@@ -144,6 +144,32 @@ bool thread_start(pthread_t *thread, const pthread_attr_t *attributes, void *(*w
     return started;
 }
 
+// Holds a thread until all have been started.
+static void *wait_for_all(void *gate)
+{
+    pthread_mutex_lock(gate);
+    pthread_mutex_unlock(gate);
+    return NULL;
+}
+
+bool thread_can_start(unsigned count)
+{
+    enum { MOST_TRIED = 256 };
+    pthread_t threads[MOST_TRIED];
+    count = count < MOST_TRIED ? count : MOST_TRIED;
+    pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
+    unsigned started = 0;
+    pthread_mutex_lock(&gate);
+    while (started < count && thread_start(&threads[started], NULL, wait_for_all, &gate)) {
+        ++started;
+    }
+    pthread_mutex_unlock(&gate);
+    for (unsigned i = 0; i < started; ++i) {
+        pthread_join(threads[i], NULL);
+    }
+    return started == count;
+}
+
 // --- Parallel loops ------------------------------------------------------------------------------
 
 typedef struct Loop {

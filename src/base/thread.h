@@ -16,6 +16,10 @@ unsigned thread_processor_count(void);
 bool thread_start(pthread_t *thread, const pthread_attr_t *attributes, void *(*work)(void *),
                   void *argument);
 
+// Whether `count` more threads can be had at once (of 256 at most): for libraries that end the
+// program where they can't start one. True says how it was a moment ago, no more.
+bool thread_can_start(unsigned count);
+
 // Calls work(context, item, worker) once for each item in [0, count), from `threads` threads of
 // which the caller is one (worker 0); worker < threads. Items are handed out in order. Returns when
 // all are done, or, once *stop is non-zero (it may be NULL), when those begun are done. If threads

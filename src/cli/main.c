@@ -85,7 +85,9 @@ int main(int argc, char **argv)
     occupy_standard_files();
     ignore_write_signals();
     Options options;
-    int code = options_parse(&options, argc, argv, stderr) ? run(&options) : EXIT_USAGE;
+    int code = options_parse(&options, argc, argv, stderr) ? run(&options)
+               : options.out_of_memory                     ? EXIT_NO_MEMORY
+                                                           : EXIT_USAGE;
     options_free(&options);
     return finish_output(code);
 }

@@ -26,6 +26,12 @@ bool option_wrong(const OptionParser *parser, const char *format, ...)
     return false;
 }
 
+bool option_out_of_memory(const OptionParser *parser)
+{
+    parser->options->out_of_memory = true;
+    return option_wrong(parser, "not enough memory");
+}
+
 static const char *limit_name(size_t i)
 {
     static const char *const names[] = {
@@ -250,7 +256,7 @@ static bool take_aovs(const OptionParser *parser, const char *text)
         }
         const char *name = arena_copy_string(&options->arena, text, length);
         if (!name) {
-            return option_wrong(parser, "not enough memory");
+            return option_out_of_memory(parser);
         }
         parser->aovs[options->aov_count++] = name;
         if (!text[length]) {

@@ -19,6 +19,8 @@ typedef struct OptionParser {
 
 // Takes an option's argument (NULL where it has none). False after a message.
 bool option_take(OptionParser *parser, OptionId id, const char *text);
+// A message that memory ran out; false.
+bool option_out_of_memory(const OptionParser *parser);
 // A message of a wrong use; false.
 bool option_wrong(const OptionParser *parser, const char *format, ...)
     __attribute__((format(printf, 2, 3)));

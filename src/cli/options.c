@@ -293,7 +293,7 @@ bool options_parse(Options *options, int argc, char **argv, FILE *err)
                            .sweeps = arena_array(&options->arena, most, sizeof *parser.sweeps)};
     Words words = {.operands = arena_array(&options->arena, most, sizeof *words.operands)};
     if (!parser.aovs || !parser.folders || !parser.settings || !parser.sweeps || !words.operands) {
-        return option_wrong(&parser, "not enough memory");
+        return option_out_of_memory(&parser);
     }
     options->aovs = parser.aovs;
     options->folders = parser.folders;

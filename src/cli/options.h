@@ -44,7 +44,8 @@ typedef struct FrameRange {
 } FrameRange;
 
 typedef struct Options {
-    Arena arena; // lists below
+    Arena arena;        // lists below
+    bool out_of_memory; // so options_parse failed
     Command command;
     const char *operand; // the first, or NULL
     const char *const *operands;

@@ -452,11 +452,15 @@ static int write_layers(const Picture *picture, const Film *film, Arena *arena, 
     }
     ImageFile file = {(int)film->width, (int)film->height, picture->bits,   layers,
                       layer_count,      attributes.items,  attributes.count};
+    char why[400];
+    if (!image_available(picture->path, why, sizeof why)) { // before anything lies beside it
+        snprintf(message, message_size, "can't write `%s`: %s", picture->path, why);
+        return EXIT_FILES;
+    }
     char *temporary = atomic_temporary_name(arena, picture->path, message, message_size);
     if (!temporary) {
         return EXIT_FILES;
     }
-    char why[400];
     if (!image_write(temporary, picture->path, &file, why, sizeof why)) {
         atomic_discard(temporary);
         snprintf(message, message_size, "can't write `%s`: %s", picture->path, why);

@@ -138,8 +138,17 @@ static const void *module_functions(const char *name, const char *library, const
     return table;
 }
 
+// Libraries behind OpenImageIO start threads as they are loaded, and end the program where they
+// can't.
 static const OiioFunctions *oiio_functions(char *message, size_t message_size)
 {
+    enum { THREADS_STARTED = 12 };
+    static atomic_bool loaded;
+    if (!atomic_load(&loaded) && !thread_can_start(THREADS_STARTED)) {
+        snprintf(message, message_size, "the system gives OpenImageIO no threads");
+        return NULL;
+    }
+    atomic_store(&loaded, true);
     return module_functions("scn_oiio", "OpenImageIO", "scn_oiio_functions", message, message_size);
 }
 

@@ -317,15 +317,25 @@ static void note_error(void *failed, enum RTCError code, const char *text)
     atomic_store((atomic_bool *)failed, true);
 }
 
-static bool build_all(Accel *accel, unsigned threads)
+// Threads are worth it for so many pieces; and where the system refuses one, TBB, which Embree
+// builds with, ends the program (it throws from a destructor).
+static unsigned build_threads(const Accel *accel, unsigned wanted)
 {
-    char config[64];
-    snprintf(config, sizeof config, "threads=%u", threads);
-    RTCDevice device = rtcNewDevice(config);
-    accel->device = device;
-    if (!device) {
-        return false;
+    enum { WORTH_THREADS = 10000 };
+    uint64_t pieces = 0;
+    for (uint32_t i = 0; i < accel->group_count; ++i) {
+        const AccelGroup *group = &accel->groups[i];
+        pieces += (uint64_t)group->quad_count + group->triangle_count + group->mesh_triangles +
+                  group->pocket_count + group->instance_count;
+        for (uint32_t k = 0; k < group->geometry_count; ++k) {
+            pieces += group->geometries[k]->count;
+        }
     }
+    return wanted > 1 && pieces >= WORTH_THREADS && thread_can_start(wanted) ? wanted : 1;
+}
+
+static bool build_groups(Accel *accel, RTCDevice device)
+{
     atomic_bool failed = false;
     rtcSetDeviceErrorFunction(device, note_error, &failed);
     bool ok = true;
@@ -334,6 +344,34 @@ static bool build_all(Accel *accel, unsigned threads)
     }
     rtcSetDeviceErrorFunction(device, NULL, NULL);
     return ok;
+}
+
+// The device that builds without other threads. It is made once and stays: when the last device is
+// given back, Embree lifts its limit of threads, and TBB starts some.
+static bool build_alone(Accel *accel)
+{
+    static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+    static RTCDevice device;
+    pthread_mutex_lock(&mutex);
+    if (!device) {
+        device = rtcNewDevice("threads=1");
+    }
+    const bool ok = device && build_groups(accel, device);
+    pthread_mutex_unlock(&mutex);
+    return ok;
+}
+
+static bool build_all(Accel *accel, unsigned wanted)
+{
+    const unsigned threads = build_threads(accel, wanted);
+    if (threads == 1) {
+        return build_alone(accel);
+    }
+    char config[64];
+    snprintf(config, sizeof config, "threads=%u", threads);
+    RTCDevice device = rtcNewDevice(config);
+    accel->device = device;
+    return device && build_groups(accel, device);
 }
 
 Accel *accel_build(const Scene *scene, unsigned threads)

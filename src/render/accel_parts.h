@@ -167,7 +167,7 @@ typedef struct AccelUnbounded {
 
 struct Accel {
     const Scene *scene;
-    void *device;   // RTCDevice
+    void *device;   // RTCDevice; NULL: that of all small scenes
     SpaceMap *maps; // of the first map_count of the scene's transforms
     size_t map_count;
     AccelGroup *groups; // one for each prototype, then the pockets

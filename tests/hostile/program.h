@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum { ERRORS_KEPT = 1 << 16, MOST_ARGUMENTS = 15 };
 
