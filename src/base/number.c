@@ -1,12 +1,8 @@
 #include "base/number.h"
 
-#include "base/mem.h"
+#include "base/decimal.h"
 
-#include <math.h>
-#include <stdbool.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
+#include <stddef.h>
 
 // What the text says: significand * 10^exponent, exact as long as `digits` is at most 19.
 typedef struct Decimal {
@@ -49,34 +45,12 @@ static const char *read_exponent(const char *at, const char *end, Decimal *decim
     return digit;
 }
 
-// The C library's exact conversion, for the few numbers that need it. It reads the locale's decimal
-// point, which nobody in this program sets.
-static bool convert_slowly(const char *begin, const char *end, double *value)
-{
-    char small[128];
-    size_t length = (size_t)(end - begin);
-    char *text = length < sizeof small ? small : mem_alloc(length + 1, 1);
-    if (!text) {
-        return false;
-    }
-    memcpy(text, begin, length);
-    text[length] = '\0';
-    *value = strtod(text, NULL);
-    if (text != small) {
-        mem_free(text);
-    }
-    return true;
-}
-
 const char *number_parse(const char *at, const char *end, double *value)
 {
-    static const double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                    1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                    1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-    const char *begin = at;
     Decimal decimal = {0};
     bool negative = at < end && *at == '-';
     at += at < end && (*at == '-' || *at == '+');
+    const char *begin = at;
     at = read_digits(at, end, &decimal, 0);
     if (at < end && *at == '.') {
         const char *after = read_digits(at + 1, end, &decimal, -1);
@@ -86,14 +60,12 @@ const char *number_parse(const char *at, const char *end, double *value)
         return NULL;
     }
     at = read_exponent(at, end, &decimal);
-    // Clinger's fast path: both factors are exact doubles, so that one rounding is all there is.
-    if (decimal.digits <= 19 && decimal.significand <= (uint64_t)1 << 53 &&
-        decimal.exponent >= -22 && decimal.exponent <= 22) {
-        double exact = (double)decimal.significand;
-        exact = decimal.exponent < 0 ? exact / powers[-decimal.exponent]
-                                     : exact * powers[decimal.exponent];
-        *value = negative ? -exact : exact;
-        return at;
+    const bool small = decimal.exponent > -400 && decimal.exponent < 400;
+    double magnitude;
+    if (decimal.digits > 19 || !small ||
+        !decimal_from_parts(decimal.significand, (int)decimal.exponent, &magnitude)) {
+        magnitude = decimal_read(begin, at);
     }
-    return convert_slowly(begin, at, value) ? at : NULL;
+    *value = negative ? -magnitude : magnitude;
+    return at;
 }

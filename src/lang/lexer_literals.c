@@ -1,8 +1,8 @@
 // Numbers, strings and colours.
 #include "lang/lexer_internal.h"
 
+#include "base/decimal.h"
 #include "base/utf8.h"
-#include "lang/decimal.h"
 #include "schema/schema.h"
 
 #include <math.h>

@@ -2,6 +2,7 @@
 // scale and far from the origin, instances against copies.
 #include "../../trust.h"
 #include "render/accel_parts.h"
+#include "render/render.h"
 
 #include "shapes.h"
 
@@ -878,13 +879,25 @@ static void building_survives_lack_of_memory(void **state)
     scene_drop(scene);
 }
 
-// Many instances and many spheres are few geometries; hits in them are found by
-// number.
-static void many_instances_and_spheres(void **state)
+// So small a picture of so much is given hierarchies that are built quickly.
+static void ask_for_few_pixels(Scene *scene)
 {
-    (void)state;
+    FilmParams film = scene_film(scene);
+    film.width = film.height = 4;
+    const int type = schema_find(scene->schema, STR("film"));
+    assert_int_not_equal(scene_add_node(scene, (uint16_t)type, &film, (SceneNode){0}), NONE_ID);
+    assert_int_equal(scene_film(scene).width, 4);
+}
+
+// Many instances and many spheres are few geometries; hits in them are found by
+// number, in hierarchies of either make.
+static void check_many(bool few_pixels)
+{
     Random r = random_make("many", 39);
     Scene *scene = scene_new();
+    if (few_pixels) {
+        ask_for_few_pixels(scene);
+    }
     uint32_t prototype = scene_add_prototype(scene, 0, (Span){0});
     Params unit = sphere_params_of(vec3(0, 0, 0), 0.4);
     add_shape(scene, &unit, NULL, prototype);
@@ -910,6 +923,13 @@ static void many_instances_and_spheres(void **state)
     }
     accel_free(accel);
     scene_drop(scene);
+}
+
+static void many_instances_and_spheres(void **state)
+{
+    (void)state;
+    check_many(false);
+    check_many(true);
 }
 
 int main(void)

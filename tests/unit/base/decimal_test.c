@@ -1,5 +1,5 @@
 // Decimal text to doubles, against the C library's strtod.
-#include "lang/decimal.h"
+#include "base/decimal.h"
 
 #include <inttypes.h>
 #include <math.h>

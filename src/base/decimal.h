@@ -1,6 +1,6 @@
 // Decimal text to the nearest double.
-#ifndef LANG_DECIMAL_H
-#define LANG_DECIMAL_H
+#ifndef BASE_DECIMAL_H
+#define BASE_DECIMAL_H
 
 #include <stdbool.h>
 #include <stdint.h>

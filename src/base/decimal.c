@@ -1,4 +1,4 @@
-#include "lang/decimal.h"
+#include "base/decimal.h"
 
 #include <float.h>
 #include <locale.h>
