@@ -464,6 +464,7 @@ static void take_task(Loading *loading, const RenderTask *task, const Interrupt 
     loading->lang.moment = task->moment;
     loading->lang.stop = task->in_series ? &interrupt->signal : NULL;
     loading->scene.pictures = task->pictures;
+    loading->scene.mesh_cache = task->meshes;
     loading->sandbox.on_read = task->on_read;
     loading->sandbox.on_read_context = task->on_read_context;
 }

@@ -22,6 +22,7 @@ typedef struct RenderTask {
     void (*on_read)(void *context, const char *path, uint64_t hash); // Sandbox.on_read
     void *on_read_context;
     struct PictureCache *pictures; // of the pictures before; NULL: none are kept
+    struct MeshCache *meshes;      // the same
 } RenderTask;
 
 // Renders it. An ExitCode, after a message if it isn't EXIT_OK (of a series' picture that was

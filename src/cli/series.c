@@ -4,6 +4,7 @@
 #include "image/image.h"
 #include "render/film.h"
 #include "render/picture_cache.h"
+#include "scene/mesh_cache.h"
 
 #include <errno.h>
 #include <math.h>
@@ -83,7 +84,8 @@ int series_begin(Series *series, const Options *options, const char *name, size_
     series->checker.base =
         arena_copy_string(&series->arena, path, (size_t)(strrchr(path, '/') + 1 - path));
     series->pictures = picture_cache_new();
-    if (!series->checker.base || !series->pictures) {
+    series->meshes = mesh_cache_new();
+    if (!series->checker.base || !series->pictures || !series->meshes) {
         return complain(EXIT_NO_MEMORY, "not enough memory");
     }
     interrupt_begin(&series->interrupt);
@@ -96,6 +98,7 @@ void series_end(Series *series)
     interrupt_end(&series->interrupt);
     loading_free(&series->loading);
     picture_cache_free(series->pictures);
+    mesh_cache_free(series->meshes);
     record_checker_free(&series->checker);
     told_free(&series->told);
     arena_free(&series->arena);
@@ -216,6 +219,7 @@ static int render(Series *series, const SeriesPicture *p, const Names *names, Re
     char label[48];
     snprintf(label, sizeof label, "[%zu/%zu] ", series->number, series->count);
     picture_cache_turn(series->pictures);
+    mesh_cache_turn(series->meshes);
     const RenderTask task = {.options = &options,
                              .moment = p->moment,
                              .moves = p->moves,
@@ -226,7 +230,8 @@ static int render(Series *series, const SeriesPicture *p, const Names *names, Re
                              .told = &series->told,
                              .on_read = note_read,
                              .on_read_context = reads,
-                             .pictures = series->pictures};
+                             .pictures = series->pictures,
+                             .meshes = series->meshes};
     return render_picture(&task, &series->interrupt);
 }
 

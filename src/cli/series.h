@@ -22,6 +22,7 @@ typedef struct Series {
     Told told;
     RecordChecker checker;
     struct PictureCache *pictures;
+    struct MeshCache *meshes;
 } Series;
 
 typedef struct SeriesPicture {

@@ -2,6 +2,7 @@
 
 #include "base/module.h"
 #include "scene/mesh_build.h"
+#include "scene/mesh_cache.h"
 #include "scene/mesh_module.h"
 
 #include <inttypes.h>
@@ -49,13 +50,19 @@ static void describe_left_out(const Mesh *mesh, char *text, size_t size)
     }
 }
 
-static void say_what_was_left_out(const Mesh *mesh, const char *what, MeshReport report)
+static void say_what_was_changed(const Mesh *mesh, const char *what, MeshReport report)
 {
     if (mesh->degenerate || mesh->not_finite) {
         char text[160];
         describe_left_out(mesh, text, sizeof text);
         diag_report(report.sink, W0850, report.at, "%s: %s %s left out", what, text,
                     mesh->degenerate + (uint64_t)mesh->not_finite == 1 ? "was" : "were");
+    }
+    if (mesh->mended) {
+        diag_report(report.sink, W0851, report.at,
+                    "%s: %" PRIu32 " normals, texture coordinates or colors can't be used as they "
+                    "are and were replaced",
+                    what, mesh->mended);
     }
 }
 
@@ -74,16 +81,10 @@ static bool finish(Mesh *mesh, Arena *arena, bool smooth, const char *what, Mesh
         }
         return false;
     }
-    say_what_was_left_out(mesh, what, report);
     mesh->smooth = smooth;
     mesh->normals = smooth ? mesh->normals : NULL;
-    uint32_t mended = mesh_mend_attributes(mesh);
-    if (mended) {
-        diag_report(report.sink, W0851, report.at,
-                    "%s: %" PRIu32 " normals, texture coordinates or colors can't be used as they "
-                    "are and were replaced",
-                    what, mended);
-    }
+    mesh->mended = mesh_mend_attributes(mesh);
+    say_what_was_changed(mesh, what, report);
     if (smooth && !mesh->normals && !mesh_make_normals(mesh, arena)) {
         fails_for_memory(report);
         return false;
@@ -206,30 +207,6 @@ static void decode_colors(Mesh *mesh, const char *path)
     }
 }
 
-// A copy in `arena`, or NULL where there is nothing to copy; clears *good when memory runs out.
-static void *copied(Arena *arena, const void *array, size_t count, size_t size, bool *good)
-{
-    void *copy = array && *good ? arena_array(arena, count, size) : NULL;
-    if (copy) {
-        memcpy(copy, array, count * size);
-    }
-    *good = *good && (copy || !array);
-    return copy;
-}
-
-static bool copy_mesh(Mesh *mesh, Arena *arena)
-{
-    bool good = true;
-    size_t vertices = mesh->vertex_count;
-    mesh->positions = copied(arena, mesh->positions, vertices, 3 * sizeof(float), &good);
-    mesh->normals = copied(arena, mesh->normals, vertices, 3 * sizeof(float), &good);
-    mesh->uvs = copied(arena, mesh->uvs, vertices, 2 * sizeof(float), &good);
-    mesh->colors = copied(arena, mesh->colors, vertices, 3 * sizeof(float), &good);
-    mesh->triangles =
-        copied(arena, mesh->triangles, mesh->triangle_count, 3 * sizeof(uint32_t), &good);
-    return good;
-}
-
 static bool build_and_finish(Scene *scene, ModuleContext *module, const MeshModuleOutput *output,
                              const char *path, bool smooth, MeshReport report, Mesh *mesh)
 {
@@ -242,7 +219,7 @@ static bool build_and_finish(Scene *scene, ModuleContext *module, const MeshModu
         if (!finish(mesh, &module->arena, smooth, what, report)) {
             return false;
         }
-        if (!copy_mesh(mesh, &scene->arena)) {
+        if (!mesh_copy(mesh, &scene->arena)) {
             fails_for_memory(report);
             return false;
         }
@@ -309,6 +286,15 @@ static MeshModuleImport *find_import(const Scene *scene, const char *path, MeshR
     return run;
 }
 
+static void keep_for_later(const Scene *scene, const ModuleContext *module, const Mesh *mesh)
+{
+    MeshSource sources[MOST_FILES];
+    for (int i = 0; i < module->file_count; ++i) {
+        sources[i] = (MeshSource){module->paths[i], &module->files[i]};
+    }
+    mesh_cache_add(scene->mesh_cache, sources, (size_t)module->file_count, mesh);
+}
+
 // `file` stays the caller's.
 static bool load_with_module(Scene *scene, const char *path, const FileBytes *file, bool smooth,
                              MeshReport report, Mesh *mesh)
@@ -333,6 +319,9 @@ static bool load_with_module(Scene *scene, const char *path, const FileBytes *fi
     module->paths[0] = path;
     module->file_count = 1;
     bool good = import(scene, module, run, path, smooth, report, mesh);
+    if (good && !module->refused[0]) { // what was missing may come
+        keep_for_later(scene, module, mesh);
+    }
     for (int i = 1; i < module->file_count; ++i) {
         file_bytes_free(&module->files[i]);
     }
@@ -353,7 +342,11 @@ static bool load_ply(Scene *scene, const char *path, const FileBytes *file, bool
         diag_report(report.sink, E0851, report.at, "%s is damaged: %s", what, message);
         return false;
     }
-    return finish(mesh, &scene->arena, smooth, what, report);
+    const bool good = finish(mesh, &scene->arena, smooth, what, report);
+    if (good) {
+        mesh_cache_add(scene->mesh_cache, &(MeshSource){path, file}, 1, mesh);
+    }
+    return good;
 }
 
 static bool is_ply(const char *path, const FileBytes *file)
@@ -376,7 +369,13 @@ static bool load(Scene *scene, const char *path, bool smooth, MeshReport report,
         return false;
     }
     bool good = false;
-    if (is_ply(path, &file)) {
+    if (mesh_cache_find(scene->mesh_cache, scene->sandbox, (MeshSource){path, &file}, smooth,
+                        &scene->arena, mesh)) {
+        char what[300];
+        snprintf(what, sizeof what, "`%.280s`", shown);
+        say_what_was_changed(mesh, what, report);
+        good = true;
+    } else if (is_ply(path, &file)) {
         good = load_ply(scene, path, &file, smooth, report, mesh);
     } else if (is_known_to_module(path)) {
         good = load_with_module(scene, path, &file, smooth, report, mesh);

@@ -208,3 +208,30 @@ uint32_t mesh_mend_attributes(Mesh *mesh)
         mend(mesh->uvs, mesh->vertex_count, 2) + mend(mesh->colors, mesh->vertex_count, 3);
     return mended + (mesh->normals ? mend_normals(mesh) : 0);
 }
+
+// --- Copies
+// ----------------------------------------------------------------------------------------
+
+// A copy in `arena`, or NULL where there is nothing to copy; clears *good when memory runs out.
+static void *copied(Arena *arena, const void *array, size_t count, size_t size, bool *good)
+{
+    void *copy = array && *good ? arena_array(arena, count, size) : NULL;
+    if (copy) {
+        memcpy(copy, array, count * size);
+    }
+    *good = *good && (copy || !array);
+    return copy;
+}
+
+bool mesh_copy(Mesh *mesh, Arena *arena)
+{
+    bool good = true;
+    size_t vertices = mesh->vertex_count;
+    mesh->positions = copied(arena, mesh->positions, vertices, 3 * sizeof(float), &good);
+    mesh->normals = copied(arena, mesh->normals, vertices, 3 * sizeof(float), &good);
+    mesh->uvs = copied(arena, mesh->uvs, vertices, 2 * sizeof(float), &good);
+    mesh->colors = copied(arena, mesh->colors, vertices, 3 * sizeof(float), &good);
+    mesh->triangles =
+        copied(arena, mesh->triangles, mesh->triangle_count, 3 * sizeof(uint32_t), &good);
+    return good;
+}

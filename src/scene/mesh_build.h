@@ -47,6 +47,9 @@ bool mesh_make_normals(Mesh *mesh, Arena *arena);
 // Returns how many vertices were mended.
 uint32_t mesh_mend_attributes(Mesh *mesh);
 
+// Has the mesh's arrays copied into `arena`. False when memory runs out; *mesh is of no use then.
+bool mesh_copy(Mesh *mesh, Arena *arena);
+
 // From the sRGB encoding (IEC 61966-2-1) to linear light.
 float mesh_srgb_to_linear(float encoded);
 

@@ -47,11 +47,13 @@ bool scene_clear(Scene *scene)
     const Schema *schema = scene->schema;
     Sandbox *sandbox = scene->sandbox;
     struct PictureCache *pictures = scene->pictures;
+    struct MeshCache *mesh_cache = scene->mesh_cache;
     scene_free(scene);
     if (!scene_init(scene, schema, sandbox)) {
         return false;
     }
     scene->pictures = pictures;
+    scene->mesh_cache = mesh_cache;
     return true;
 }
 

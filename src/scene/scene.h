@@ -67,6 +67,7 @@ typedef struct Mesh {
     uint32_t *triangles; // 3 * triangle_count vertex indices, counter-clockwise from the front
     uint32_t vertex_count, triangle_count;
     uint32_t degenerate, not_finite; // triangles left out on loading, by reason
+    uint32_t mended;                 // vertices whose attributes could not be used as they were
     const char *file;                // where it comes from, in the scene's arena; NULL: from lists
     bool smooth;                     // as it was asked for
 } Mesh;
@@ -108,8 +109,9 @@ typedef struct Scene {
     // Pictures that were decoded for an earlier version of the scene; not owned; NULL: none are
     // kept.
     struct PictureCache *pictures;
-    uint64_t hash;   // of the sources' bytes and the parameters
-    uint32_t camera; // id of the camera to use, or NONE_ID
+    struct MeshCache *mesh_cache; // the same of files of meshes
+    uint64_t hash;                // of the sources' bytes and the parameters
+    uint32_t camera;              // id of the camera to use, or NONE_ID
 } Scene;
 
 // False when memory runs out. `schema` and `sandbox` must outlive the scene.

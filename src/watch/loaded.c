@@ -5,6 +5,7 @@
 #include "render/material_report.h"
 #include "render/picture_cache.h"
 #include "render/render.h"
+#include "scene/mesh_cache.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -120,9 +121,11 @@ static void evaluate(Loaded *loaded, const SceneRequest *request, FileWatch *fil
     if (!path) {
         return;
     }
+    loaded->scene.mesh_cache = request->meshes;
     lang->params_to = params;
     bool good = lang_load(lang, path, request->file, &loaded->scene);
     lang->params_to = NULL;
+    loaded->scene.mesh_cache = NULL;
     loaded->stopped = request->stop && atomic_load(request->stop) != 0;
     if (params) {
         fclose(params);
@@ -132,6 +135,7 @@ static void evaluate(Loaded *loaded, const SceneRequest *request, FileWatch *fil
     if (good && !loaded->stopped) {
         light_warn_enclosed(&loaded->scene, &lang->sink);
         material_warn_open_glass(&loaded->scene, &lang->sink);
+        mesh_cache_turn(request->meshes);
         picture_cache_turn(request->pictures);
         loaded->scene.pictures = request->pictures;
         loaded->world = world_build(&loaded->scene, request->threads, &lang->sink);

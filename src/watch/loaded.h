@@ -24,6 +24,7 @@ typedef struct SceneRequest {
     unsigned threads;              // 0: one a processor
     FILE *print_to;                // where print() writes; NULL: nowhere
     struct PictureCache *pictures; // between versions; may be NULL
+    struct MeshCache *meshes;      // the same
     const atomic_int *stop;        // not zero: evaluation is to be given up; may be NULL
 } SceneRequest;
 

@@ -3,6 +3,7 @@
 
 #include "base/mem.h"
 #include "render/picture_cache.h"
+#include "scene/mesh_cache.h"
 #include "watch/inspect.h"
 
 #include <math.h>
@@ -58,6 +59,7 @@ Session *session_new(const SessionOptions *options, char *message, size_t messag
     atomic_init(&session->outdated, 0);
     session->options.scene.stop = &session->outdated;
     session->options.scene.pictures = picture_cache_new();
+    session->options.scene.meshes = mesh_cache_new();
     pthread_mutex_init(&session->lock, NULL);
     make_condition(&session->changed);
     session->camera = NONE_ID;
@@ -111,6 +113,7 @@ void session_free(Session *session)
     free_overrides(&session->overrides);
     text_free(&session->params);
     picture_cache_free(session->options.scene.pictures);
+    mesh_cache_free(session->options.scene.meshes);
     pthread_cond_destroy(&session->changed);
     pthread_mutex_destroy(&session->lock);
     mem_free(session);

@@ -1,6 +1,7 @@
 #include "../test_support.h"
 #include "scene/mesh.h"
 #include "scene/mesh_build.h"
+#include "scene/mesh_cache.h"
 
 #include <dirent.h>
 #include <math.h>
@@ -266,6 +267,94 @@ static void the_same_file_is_read_once(void **state)
     assert_int_equal(load(&bench, "cube.ply", false), b);
     assert_int_not_equal(a, b);
     assert_int_equal(bench.scene.meshes.count, 2);
+    bench_end(&bench);
+}
+
+// Does the cache know the mesh of this file as it is now?
+static bool is_known(Bench *bench, const char *name, bool smooth)
+{
+    char path[256];
+    snprintf(path, sizeof path, "%s/%s", bench->folder, name);
+    FileBytes bytes;
+    assert_int_equal(sandbox_read(&bench->sandbox, path, &bytes), IO_OK);
+    Arena arena = {0};
+    Mesh mesh;
+    bool known = mesh_cache_find(bench->scene.mesh_cache, &bench->sandbox,
+                                 (MeshSource){path, &bytes}, smooth, &arena, &mesh);
+    file_bytes_free(&bytes);
+    arena_free(&arena);
+    return known;
+}
+
+static void meshes_are_kept_between_scenes(void **state)
+{
+    (void)state;
+    Bench bench;
+    bench_begin(&bench);
+    write_ply_cube(&bench);
+    write_obj_cube(&bench);
+    write_gltf_cube(&bench);
+    MeshCache *cache = mesh_cache_new();
+    bench.scene.mesh_cache = cache;
+    static const char *const names[] = {"cube.ply", "cube.obj", "cube.gltf"};
+    int expected[12][9], got[12][9];
+    for (size_t i = 0; i < TEST_COUNT(names); ++i) {
+        assert_false(is_known(&bench, names[i], true));
+        collect_triangles(load_good(&bench, names[i], true), expected);
+        assert_true(is_known(&bench, names[i], true));
+        assert_false(is_known(&bench, names[i], false));
+        mesh_cache_turn(cache);
+        assert_true(scene_clear(&bench.scene));
+        const Mesh *again = load_good(&bench, names[i], true);
+        collect_triangles(again, got);
+        assert_memory_equal(got, expected, sizeof got);
+        assert_int_equal(again->vertex_count, 24);
+        assert_non_null(again->normals);
+    }
+    // The file itself is as it was, but not the one that it refers to.
+    static const char other[168] = {0};
+    write_file(&bench, "cube.bin", other, sizeof other);
+    assert_false(is_known(&bench, "cube.gltf", true));
+    assert_true(is_known(&bench, "cube.obj", true));
+    write_file(&bench, "cube.obj", "v 0 0 0\n", 8);
+    assert_false(is_known(&bench, "cube.obj", true));
+    // What was asked for stays for one turn more; the first was not, for two turns.
+    assert_false(is_known(&bench, "cube.ply", true));
+    load_good(&bench, "cube.ply", true);
+    assert_true(is_known(&bench, "cube.ply", true));
+    mesh_cache_turn(cache);
+    assert_true(is_known(&bench, "cube.ply", true));
+    mesh_cache_turn(cache);
+    mesh_cache_turn(cache);
+    assert_false(is_known(&bench, "cube.ply", true));
+    mesh_cache_free(cache);
+    bench.scene.mesh_cache = NULL;
+    collect_triangles(load_good(&bench, "cube.ply", true), got); // a copy: the cache is gone
+    bench_end(&bench);
+}
+
+static void a_kept_mesh_is_warned_of_again(void **state)
+{
+    (void)state;
+    Bench bench;
+    bench_begin(&bench);
+    static const char flat[] = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                               "property float y\nproperty float z\nelement face 2\n"
+                               "property list uchar int vertex_indices\nend_header\n"
+                               "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 0 1\n";
+    write_file(&bench, "flat.ply", flat, strlen(flat));
+    bench.scene.mesh_cache = mesh_cache_new();
+    char path[256];
+    snprintf(path, sizeof path, "%s/flat.ply", bench.folder);
+    for (uint32_t i = 0; i < 2; ++i) { // at places of their own: what is told twice is told once
+        MeshReport report = {&bench.sink, {1, 2 + i, 3 + i}};
+        assert_int_not_equal(mesh_load(&bench.scene, path, true, report), NONE_ID);
+        assert_int_equal(bench.sink.warnings, i + 1);
+        assert_int_equal(bench.sink.items[i].code, W0850);
+        assert_string_equal(bench.sink.items[i].message, bench.sink.items[0].message);
+        assert_true(scene_clear(&bench.scene));
+    }
+    mesh_cache_free(bench.scene.mesh_cache);
     bench_end(&bench);
 }
 
@@ -596,6 +685,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_cube_through_every_format),
         cmocka_unit_test(the_same_file_is_read_once),
+        cmocka_unit_test(meshes_are_kept_between_scenes),
+        cmocka_unit_test(a_kept_mesh_is_warned_of_again),
         cmocka_unit_test(cubes_keep_their_edges),
         cmocka_unit_test(balls_are_smooth),
         cmocka_unit_test(creases_begin_at_their_angle),
