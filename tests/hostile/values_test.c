@@ -69,37 +69,37 @@ static const char *const pairs[] = {"let _v = %s + %s",
                                     "let _v = %s != %s",
                                     "let _v = %s < %s",
                                     "let _v = %s >= %s",
-                                    "let _v = (%s) and (%s)",
-                                    "let _v = (%s) or (%s)",
-                                    "let _v = (%s)[%s]",
-                                    "let _v = (%s)(%s)",
+                                    "let _v = %s and %s",
+                                    "let _v = %s or %s",
+                                    "let _v = %s[%s]",
+                                    "let _v = %s%s",
                                     "let _v = %s ..< %s",
                                     "let _v = %s .. %s",
-                                    "let _v = (%s) with { radius: %s }",
+                                    "let _v = %s with { radius: %s }",
                                     "expect %s == %s",
                                     "expect %s < %s",
                                     "expect %s within 1%% of %s",
                                     "expect 1 within %s of %s",
                                     "let _v = [%s, %s]",
                                     "let _v = (%s, %s)",
-                                    "let _v = if (%s) 1 else %s",
+                                    "let _v = if %s 1 else %s",
                                     "for (i in %s) { let _w = %s }",
                                     "let _v = [for (i in %s) %s]",
                                     "assert(%s, %s)",
                                     "param p: number = %s in 1..%s"};
 enum { PAIRS = sizeof pairs / sizeof pairs[0] };
-static const char *const singles[] = {"let _v = -(%s)",
-                                      "let _v = not (%s)",
-                                      "let _v = (%s).x",
-                                      "let _v = (%s).r",
-                                      "let _v = (%s).min",
-                                      "let _v = (%s).zyx",
-                                      "let _v = (%s).nothing",
+static const char *const singles[] = {"let _v = -%s",
+                                      "let _v = not %s",
+                                      "let _v = %s.x",
+                                      "let _v = %s.r",
+                                      "let _v = %s.min",
+                                      "let _v = %s.zyx",
+                                      "let _v = %s.nothing",
                                       "%s",
                                       "expect %s",
                                       "group { items: %s }",
                                       "instance { of: %s }",
-                                      "if (%s) { sphere {} }",
+                                      "if %s { sphere {} }",
                                       "param p: int = %s",
                                       "param p: color = %s",
                                       "param p: string = %s",
@@ -193,10 +193,12 @@ static void try_function(const char *name)
 static void state_anew(const char *format, const char *a, const char *b)
 {
     static unsigned number;
-    char text[1024];
+    char text[1024], left[200], right[200];
+    snprintf(left, sizeof left, "(%s)", a); // `fn` and others reach as far as they can
+    snprintf(right, sizeof right, "(%s)", b);
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
-    snprintf(text, sizeof text, format, a, b);
+    snprintf(text, sizeof text, format, left, right);
 #pragma GCC diagnostic pop
     char *name = strstr(text, "_v");
     char *param = strstr(text, "param p:");
