@@ -58,9 +58,9 @@ def compare(pairs):
 class Runs:
     """The runs of a case, here and there in turn."""
 
-    def __init__(self, job, numbers, peers):
+    def __init__(self, job, numbers, peers, extra):
         self.job, self.numbers, self.peers = job, numbers, peers
-        self.pairs, self.extra = [], {}
+        self.pairs, self.extra = [], extra
 
     def alternate(self, ours, theirs):
         for number in self.numbers:
@@ -145,7 +145,9 @@ def noise(runs):
     for number in runs.numbers:
         here, there = one("scnrender", number), one("cycles", number) if runs.peers else None
         if equal:
-            samples = samples_for(job, references["scnrender"], there["mse"], number)
+            if "equal_samples" not in runs.extra:
+                runs.extra["equal_samples"] = samples_for(job, references["scnrender"], there["mse"])
+            samples = runs.extra["equal_samples"]
             here["equal_error"] = job.ours(job.file("equal.exr"), samples, 400 + number).cpu
             runs.extra["notes"] = [f"Equal error: {samples} samples here, {size.samples} there."]
         runs.pairs.append((here, there))
@@ -154,13 +156,13 @@ def noise(runs):
                                for who in references]
 
 
-def samples_for(job, reference, wanted, seed):
+def samples_for(job, reference, wanted):
     """As many samples as bring an error: it falls with a power of their number, which is interpolated
     between powers of two."""
     error = job.file("equal.exr")
 
     def mse(samples):
-        job.ours(error, samples, 300 + seed)
+        job.ours(error, samples, 300)
         return job.errors(reference, [error])[0]["mse"]
     samples = 1
     before = after = mse(1)
@@ -181,7 +183,8 @@ def run_case(case, given, program, work, kept):
     job = Job(case, size, program, work, given.threads)
     say(f"{case.name}: {case.what}")
     pairs = kept["pairs"] if kept else []
-    runs = Runs(job, range(len(pairs), len(pairs) + given.runs), not given.quick)
+    extra = {"equal_samples": kept["equal_samples"]} if kept and "equal_samples" in kept else {}
+    runs = Runs(job, range(len(pairs), len(pairs) + given.runs), not given.quick, extra)
     KINDS[case.kind](runs)
     pairs = pairs + runs.pairs
     result = {"case": case.name, "figures": compare(pairs), "runs": len(pairs), "pairs": pairs,
