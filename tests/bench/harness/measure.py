@@ -20,7 +20,7 @@ FIGURES = {
     "efficiency": ("efficiency by time", "1/(MSE s)", 1, True),
     "cpu_efficiency": ("efficiency by processor time", "1/(MSE s)", 1, True),
     "dark_mse": ("mean squared error without lamps' pixels", "", 9, False),
-    "dark_efficiency": ("efficiency so, by processor time", "1/(MSE s)", 1, True),
+    "dark_efficiency": ("efficiency without lamps' pixels, by processor time", "1/(MSE s)", 1, True),
     "equal_error": ("processor time to equal error", "s", 3, False),
 }
 
