@@ -19,6 +19,7 @@ typedef struct RenderParams { // the `render` kind
     int64_t samples, bounces, seed;
     int32_t sampling; // SAMPLING_MIS, … (world.h)
     bool shadows, russian_roulette;
+    int32_t caustics;   // CAUSTICS_PLAIN, … (world.h)
     double ao_distance; // how far "ambient_occlusion" looks, m; 0: any distance
     double clamp;       // largest radiance of an indirect sample; 0: none
     double time_limit;  // seconds; 0: none

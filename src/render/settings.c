@@ -18,6 +18,7 @@
 enum { DEFAULT_FILTER = FILTER_BLACKMAN_HARRIS, DEFAULT_TONE = TONE_SRGB };
 
 static const char *const filters[] = {"box", "tent", "gaussian", "blackman_harris", "center", NULL};
+static const char *const ways_to_caustics[] = {"plain", "guided", NULL};
 static const char *const samplings[] = {"mis", "light", "bsdf", NULL};
 static const char *const integrators[] = {
 #define INTEGRATOR(id) #id,
@@ -189,6 +190,14 @@ static const Param render_params[] = {
      PARAM_AT(RenderParams, russian_roulette),
      .default_text = "true",
      .doc = "whether faint paths are ended at random; the mean stays the same"},
+    {.name = "caustics",
+     .type = PARAM_CHOICE,
+     PARAM_AT(RenderParams, caustics),
+     .choices = ways_to_caustics,
+     .default_text = "\"plain\"",
+     .doc = "how the \"path\" integrator finds light that mirrors and glass throw on something "
+            "matt: by luck (plain), or also where rays sent from the lamps say that it comes from "
+            "(guided), which pays where lamps are small; the mean stays the same"},
     {.name = "ao_distance",
      .type = PARAM_NUMBER,
      PARAM_AT(RenderParams, ao_distance),
@@ -405,6 +414,7 @@ RenderParams scene_render(const Scene *scene)
         .sampling = SAMPLING_MIS,
         .shadows = true,
         .russian_roulette = true,
+        .caustics = CAUSTICS_PLAIN,
         .stop = NONE_ID,
     };
 }

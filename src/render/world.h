@@ -6,12 +6,14 @@
 #include "base/diag.h"
 #include "render/accel.h"
 #include "render/camera.h"
+#include "render/guide.h"
 #include "render/light.h"
 #include "render/material.h"
 #include "render/texture.h"
 #include "scene/scene.h"
 
 enum { SAMPLING_MIS, SAMPLING_LIGHT, SAMPLING_BSDF }; // RenderParams.sampling
+enum { CAUSTICS_PLAIN, CAUSTICS_GUIDED };             // RenderParams.caustics
 
 typedef struct World {
     const Scene *scene;
@@ -19,6 +21,8 @@ typedef struct World {
     LightSet *lights;
     const Light *light_items; // all of them, by index
     uint32_t only_light;      // the one that light_choose chooses everywhere, or NONE_ID
+    const Guide
+        *guide; // to light by way of mirrors and glass; NULL: none is asked for, or none found
     TextureSet *textures;
     const WorldMaterial *materials; // material_count + 1; the last is the default
     uint32_t material_count;

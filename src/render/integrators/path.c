@@ -151,9 +151,21 @@ static inline bool choose_direction(const Path *path, const Surface *surface,
            !rgb_is_black(out->value) && (world->sampling != SAMPLING_BSDF || out->delta);
 }
 
+// The density of a direction, unit in the world, that is chosen by the material (with density bsdf)
+// or by what is known about the cell (NULL: nothing).
+static inline float guided_pdf(const GuideCell *cell, Vec3 p, Vec3 direction, float bsdf)
+{
+    if (!cell) {
+        return bsdf;
+    }
+    const float part = GUIDE_PART;
+    return (1 - part) * bsdf + part * guide_pdf(cell, p, direction);
+}
+
 // Light sampling: one direction to one light.
 static void add_direct(Path *path, const ShadingPoint *point, const WorldMaterial *material,
-                       const LightReceiver *receiver, const SurfaceNumbers *n, uint32_t dimension)
+                       const LightReceiver *receiver, const GuideCell *cell,
+                       const SurfaceNumbers *n, uint32_t dimension)
 {
     const World *world = path->world;
     const Surface *surface = point->surface;
@@ -175,7 +187,8 @@ static void add_direct(Path *path, const ShadingPoint *point, const WorldMateria
     }
     float pdf = s.pdf * chance;
     bool alone = s.delta || world->sampling == SAMPLING_LIGHT;
-    float weight = alone ? 1 : power_heuristic(pdf, bsdf.pdf);
+    float weight =
+        alone ? 1 : power_heuristic(pdf, guided_pdf(cell, surface->p, s.direction, bsdf.pdf));
     ++path->depth; // the light has been scattered here
     add_radiance(path, rgb_mul(rgb_mul(s.value, bsdf.value), visible), weight / pdf);
     --path->depth;
@@ -210,13 +223,46 @@ static bool last_ray_needed(const World *world)
     return world->shape_lights || infinite > 0;
 }
 
+// Chooses a direction by the material or by the cell, as if they were one (Veach and Guibas 1995,
+// one-sample model, balance heuristic).
+static bool choose_guided(const ShadingPoint *point, const WorldMaterial *material,
+                          const GuideCell *cell, const SurfaceNumbers *n, BsdfSample *out)
+{
+    const Vec3 p = point->surface->p;
+    const float part = GUIDE_PART;
+    if (n->lobe < part) {
+        const Vec3 direction = guide_sample(cell, p, n->lobe / part, n->u, n->v);
+        BsdfEval bsdf;
+        out->wi = to_local(&point->frame, direction);
+        material_evaluate(point, material, out->wi, &bsdf);
+        out->pdf = guided_pdf(cell, p, direction, bsdf.pdf);
+        out->weight = rgb_scale(bsdf.value, 1 / out->pdf);
+        out->eta = 1;
+        out->lobes = LOBE_REFLECT | LOBE_SMOOTH;
+        return out->pdf > 0 && out->pdf < INFINITY;
+    }
+    const float lobe = fminf((n->lobe - part) / (1 - part), 0x1.fffffep-1F);
+    if (!material_choose(point, material, lobe, n->u, n->v, out)) {
+        return false;
+    }
+    float pdf = (1 - part) * out->pdf; // of a delta lobe a chance
+    if (!(out->lobes & LOBE_DELTA)) {
+        pdf = guided_pdf(cell, p, from_local(&point->frame, out->wi), out->pdf);
+    }
+    out->weight = rgb_scale(out->weight, out->pdf / pdf);
+    out->pdf = pdf;
+    return true;
+}
+
 // Chooses the next ray; false where the path ends.
 static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *material,
-                    const LightReceiver *receiver, const SurfaceNumbers *n, Ray *ray)
+                    const LightReceiver *receiver, const GuideCell *cell, const SurfaceNumbers *n,
+                    Ray *ray)
 {
     const World *world = path->world;
     BsdfSample s;
-    if (!material_choose(point, material, n->lobe, n->u, n->v, &s)) {
+    if (cell ? !choose_guided(point, material, cell, n, &s)
+             : !material_choose(point, material, n->lobe, n->u, n->v, &s)) {
         return false;
     }
     path->throughput = rgb_mul(path->throughput, s.weight);
@@ -330,10 +376,13 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         if (!(material->lobes & LOBE_TRANSMIT)) {
             receiver.normal = point.wo_side > 0 ? surface.geometric : neg(surface.geometric);
         }
+        const GuideCell *cell = world->guide && guide_serves(material->lobes)
+                                    ? guide_find(world->guide, surface.p)
+                                    : NULL;
         if (material->lobes & LOBE_SMOOTH) {
-            add_direct(path, &point, material, &receiver, &n, first);
+            add_direct(path, &point, material, &receiver, cell, &n, first);
         }
-        if (!scatter(path, &point, material, &receiver, &n, &ray)) {
+        if (!scatter(path, &point, material, &receiver, cell, &n, &ray)) {
             return;
         }
     }

@@ -442,6 +442,7 @@ static void defaults_are_the_tables(void **state)
         {"film", "tone", film.tone},
         {"render", "integrator", render.integrator},
         {"render", "sampling", render.sampling},
+        {"render", "caustics", render.caustics},
     };
     for (size_t i = 0; i < sizeof choices / sizeof *choices; ++i) {
         const NodeType *type =
