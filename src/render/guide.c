@@ -267,7 +267,7 @@ static void follow(GuideBuilder *b, const Object *object, Ray ray, double weight
         }
         const WorldMaterial *material = world_material(world, surface.material);
         if (guide_serves(material->lobes)) {
-            if (i > 0) {
+            if (i > 0 && weight > 0 && weight < INFINITY) {
                 b->notes[b->count++] = (Note){surface.p, from, weight};
             }
             return;
