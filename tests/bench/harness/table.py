@@ -11,6 +11,10 @@ BEGIN, END = "<!-- tools/bench --write: from here", "<!-- to here -->"
 PAGE = os.path.join(ROOT, "docs/performance.md")
 
 
+def plural(count, word):
+    return f"{count} {word}{'' if count == 1 else 's'}"
+
+
 def number(value, figure):
     digits = FIGURES[figure][2]
     if digits == 9:
@@ -49,7 +53,7 @@ def rows_of(result):
 
 
 def text(result):
-    lines = [f"{result['case']}: {result['runs']} runs in turn, {result['threads']} threads"]
+    lines = [f"{result['case']}: {plural(result['runs'], 'run')} in turn, {result['threads']} threads"]
     for what, ours, theirs, ratio, aim, end in rows_of(result):
         lines.append(f"  {what:42} {ours:>14} {theirs:>14}  {ratio:24} {aim:18} {end.strip('*')}")
     if result.get("means"):
@@ -96,7 +100,7 @@ def markdown(results):
         for row, (what, ours, theirs, ratio, aim, end) in enumerate(rows_of(result)):
             name = f"**{case.name}** ({PEERS[case.peer]})" if row == 0 else ""
             lines.append(f"| {name} | {what} | {ours} | {theirs} | {ratio} | {aim} | {end} |")
-        note = f"- {case.name}: {case.what}; {result['runs']} runs, {result['threads']} threads, at " \
+        note = f"- {case.name}: {case.what}; {plural(result["runs"], "run")}, {result['threads']} threads, at " \
                f"commit {result['commit']}, with {result['load']:.0f} jobs waiting for " \
                f"{os.cpu_count()} processors."
         if result.get("means"):
