@@ -100,7 +100,7 @@ def markdown(results):
         for row, (what, ours, theirs, ratio, aim, end) in enumerate(rows_of(result)):
             name = f"**{case.name}** ({PEERS[case.peer]})" if row == 0 else ""
             lines.append(f"| {name} | {what} | {ours} | {theirs} | {ratio} | {aim} | {end} |")
-        note = f"- {case.name}: {case.what}; {plural(result["runs"], "run")}, {result['threads']} threads, at " \
+        note = f"- {case.name}: {case.what}; {plural(result['runs'], 'run')}, {result['threads']} threads, at " \
                f"commit {result['commit']}, with {result['load']:.0f} jobs waiting for " \
                f"{os.cpu_count()} processors."
         if result.get("means"):
