@@ -10,7 +10,7 @@ static bool check_length(Call *call, double count)
     if (count <= (double)call->ev->lang->limits.list_length && count < UINT32_MAX) {
         return true;
     }
-    Diag *diag = report(call->ev, E0706, call->at, "a list of %.0f items is too long", count);
+    Diag *diag = report(call->ev, E0706, call->at, "a list of %.15g items is too long", count);
     diag_note(call->ev->sink, diag, "--limit list_length=N raises the limit of %llu",
               (unsigned long long)call->ev->lang->limits.list_length);
     return false;

@@ -390,8 +390,8 @@ Value builtin_normalize(Call *call)
     double length = vector_length(v), out[4] = {0};
     if (!(length > 0) || !isfinite(length)) {
         return fail(report(call->ev, E0501, arg_span(call, 0),
-                           "a vector of length zero has no "
-                           "direction"));
+                           length > 0 ? "this vector is too long to find its direction"
+                                      : "a vector of length zero has no direction"));
     }
     for (int i = 0; i < v.small; ++i) {
         out[i] = v.components[i] / length;
@@ -407,7 +407,9 @@ Value builtin_reflect(Call *call)
     }
     double square = dot_product(n, n), out[4] = {0};
     if (!(square > 0) || !isfinite(square)) {
-        return fail(report(call->ev, E0501, arg_span(call, 1), "a normal can't be zero"));
+        return fail(report(call->ev, E0501, arg_span(call, 1),
+                           vector_length(n) > 0 ? "this normal is too long or too short"
+                                                : "a normal can't be zero"));
     }
     double k = 2 * dot_product(v, n) / square;
     for (int i = 0; i < v.small; ++i) {

@@ -292,8 +292,9 @@ Value call_value(Eval *ev, Value function, const Value *args, uint32_t count, Sp
     Parameters parameters = parameters_of(closure);
     char callee[DESCRIBE_SIZE];
     if (count > parameters.count) {
-        Diag *diag = report(ev, E0409, at, "%s is called with %u arguments here",
-                            callee_text(ev, closure, callee, sizeof callee), count);
+        Diag *diag =
+            report(ev, E0409, at, "%s is called with %u argument%s here",
+                   callee_text(ev, closure, callee, sizeof callee), count, count == 1 ? "" : "s");
         note_signature(ev, diag, closure);
         return value_error();
     }

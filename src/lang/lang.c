@@ -115,7 +115,8 @@ Eval *eval_new(Lang *lang, Scene *scene, uintptr_t floor)
     ev->oldest_forced = UINT64_MAX;
     // What is left below holds the deepest thing that doesn't check for itself: a kind's `finish`,
     // which may load a mesh.
-    ev->stack_floor = floor + (512 << 10);
+    ev->stack_floor =
+        lang->stack ? (uintptr_t)__builtin_frame_address(0) - lang->stack : floor + (512 << 10);
     ev->memory.limit = lang->limits.memory;
     for (int i = 0; i < REGION_COUNT; ++i) {
         ev->regions[i].on_oom = &ev->on_oom;

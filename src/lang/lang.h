@@ -98,6 +98,7 @@ typedef struct Lang {
                             // NULL: never
     bool whole; // nothing is evaluated before all of the file was read: for tests, since this only
                 // costs time and memory
+    size_t stack;           // bytes of its stack that evaluation may use, for tests; 0: nearly all
     Observations *observed; // where values are kept; NULL: nowhere. The texts are the arena's.
     ARRAY(FileBytes) files; // the texts of the sources
 } Lang;

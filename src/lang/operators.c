@@ -483,7 +483,7 @@ Value eval_range(Eval *ev, Env *env, AstId id)
     double count = fmax(0, last - first + (node->aux ? 0 : 1));
     if (count > (double)ev->lang->limits.list_length || count > UINT32_MAX) {
         Diag *diag =
-            report(ev, E0706, env_span(env, id), "a range of %.0f items is too long", count);
+            report(ev, E0706, env_span(env, id), "a range of %.15g items is too long", count);
         diag_note(ev->sink, diag, "--limit list_length=N raises the limit of %llu",
                   (unsigned long long)ev->lang->limits.list_length);
         return value_error();

@@ -13,14 +13,21 @@
 // Each is run twice, once as a whole and once with statements evaluated as they are read, which
 // must make no difference to any of these nor to the scene.
 //
-// usage: run [--update] FILE|FOLDER…    Files in folders called lib are not programs but imported.
-// --update writes the diagnostics into the programs instead of comparing.
+// usage: run [--update | --stops N] FILE|FOLDER…
+// Files in folders called lib are not programs but imported. --update writes the diagnostics into
+// the programs instead of comparing. --stops runs each program up to N times for each way in which
+// an evaluation may end halfway (an allocation fails, a limit is
+// reached, the stack is used up),
+// halfway being somewhere else each time: it must come to what the whole program comes to or end
+// with an error.
+#include "base/mem.h"
 #include "lang/lang.h"
 #include "render/render.h"
 #include "scene/dump.h"
 
 #include <dirent.h>
 #include <limits.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -183,7 +190,9 @@ static const char *base_name(const char *path)
 typedef struct Outcome {
     char *print, *diagnostics, *scene;
     size_t print_size, diagnostics_size, scene_size;
+    uint64_t allocations;
     bool good, counts_good;
+    bool said; // that it ended halfway
 } Outcome;
 
 static void free_outcome(Outcome *outcome)
@@ -193,7 +202,18 @@ static void free_outcome(Outcome *outcome)
     free(outcome->scene);
 }
 
-static bool run_program(const Program *program, bool whole, Outcome *outcome)
+// How a run is made, and where it ends halfway.
+typedef struct Way {
+    bool whole, watched;
+    uint64_t allocations; // that succeed
+    size_t stack;         // Lang.stack
+    size_t limit;         // 1 + the offset in Limits of one that is `least`; 0: none
+    uint64_t least;
+} Way;
+
+static const Way at_once = {.whole = true, .allocations = UINT64_MAX};
+
+static bool run_program(const Program *program, Way way, Outcome *outcome)
 {
     Sandbox sandbox;
     Lang lang;
@@ -213,14 +233,31 @@ static bool run_program(const Program *program, bool whole, Outcome *outcome)
         settings[i] = (ParamSetting){
             {program->settings[i], (size_t)(equals - program->settings[i])}, str_from(equals + 1)};
     }
-    lang.whole = whole;
+    Observations observed = {0};
+    lang.whole = way.whole;
+    lang.observed = way.watched ? &observed : NULL;
+    lang.testing = lang.bindings = way.watched;
+    lang.stack = way.stack;
     lang.limits = program->limits;
+    if (way.limit) {
+        memcpy((char *)&lang.limits + way.limit - 1, &way.least, sizeof way.least);
+    }
     lang.moment = program->moment;
     lang.settings = settings;
     lang.setting_count = program->setting_count;
     lang.print_to = open_memstream(&outcome->print, &outcome->print_size);
+    const uint64_t before = mem_allocation_count();
+    mem_fail_after(way.allocations);
     outcome->good = lang_load(&lang, program->path, base_name(program->path), &scene);
-    outcome->counts_good = check_counts(program, &scene);
+    mem_fail_after(UINT64_MAX);
+    outcome->allocations = mem_allocation_count() - before;
+    outcome->said = lang.sink.out_of_memory || lang.sink.dropped;
+    for (uint32_t i = 0; i < lang.sink.count; ++i) {
+        DiagCode code = lang.sink.items[i].code;
+        outcome->said = outcome->said || code == E0001 || (code >= E0701 && code <= E0712);
+    }
+    outcome->counts_good =
+        way.allocations < UINT64_MAX || way.limit || way.stack || check_counts(program, &scene);
     fclose(lang.print_to);
     FILE *diagnostics = open_memstream(&outcome->diagnostics, &outcome->diagnostics_size);
     diag_write_text(&lang.sink, &lang.sources, diagnostics, DIAG_PLAIN);
@@ -230,6 +267,7 @@ static bool run_program(const Program *program, bool whole, Outcome *outcome)
         scene_dump_json(&scene, &lang.sources, dump);
     }
     fclose(dump);
+    observations_free(&observed);
     scene_free(&scene);
     lang_free(&lang);
     sandbox_free(&sandbox);
@@ -301,7 +339,9 @@ static bool test_program(const char *path, bool updating)
         return false;
     }
     read_expectations(&program);
-    bool good = run_program(&program, true, &outcome) && run_program(&program, false, &other);
+    Way early = at_once;
+    early.whole = false;
+    bool good = run_program(&program, at_once, &outcome) && run_program(&program, early, &other);
     if (updating && good) {
         update(&program, &outcome);
     } else if (good) {
@@ -312,6 +352,76 @@ static bool test_program(const char *path, bool updating)
     good = good && is_same(&program, &outcome, &other);
     free_outcome(&outcome);
     free_outcome(&other);
+    free_program(&program);
+    return good;
+}
+
+// --- Ending halfway --------------------------------------------------------------------------
+
+// False when it came to something else and didn't say why. `ended`: whether it ended halfway.
+static bool stop_once(const Program *program, const Outcome *whole, Way way, bool *ended)
+{
+    Outcome outcome;
+    if (!run_program(program, way, &outcome)) {
+        return false;
+    }
+    *ended = outcome.said && !whole->said;
+    bool good = outcome.good ? whole->good && strcmp(outcome.scene, whole->scene) == 0
+                             : outcome.said || !whole->good;
+    if (!good) {
+        printf("%s: ended halfway without saying so: %llu allocations, a stack of %zu, "
+               "limit %zu: %llu\n",
+               program->path, (unsigned long long)way.allocations, way.stack,
+               way.limit / sizeof(uint64_t), (unsigned long long)way.least);
+    }
+    free_outcome(&outcome);
+    return good;
+}
+
+static bool stop_everywhere(const char *path, unsigned runs)
+{
+    enum { STACK = 24 << 10, FEWEST = 40 };
+    static const size_t limits[] = {offsetof(Limits, pixels),       offsetof(Limits, steps),
+                                    offsetof(Limits, objects),      offsetof(Limits, list_length),
+                                    offsetof(Limits, parts),        offsetof(Limits, memory),
+                                    offsetof(Limits, diagnostics),  offsetof(Limits, call_depth),
+                                    offsetof(Limits, import_depth), offsetof(Limits, nesting)};
+    Program program = {.limits = limits_default()};
+    Outcome whole;
+    snprintf(program.path, sizeof program.path, "%s", path);
+    if (!read_text(path, &program.source)) {
+        printf("%s: can't be read\n", path);
+        return false;
+    }
+    read_expectations(&program);
+    // A program that takes long ends by its own limits, and would take as long each time.
+    program.limits.steps = program.limits.steps < 100000 ? program.limits.steps : 100000;
+    bool good = run_program(&program, at_once, &whole), ended = true;
+    for (uint64_t i = 0; good && i < runs; ++i) {
+        Way way = at_once;
+        way.whole = i % 3 != 0;
+        way.watched = i % 3 == 1;
+        way.allocations = i * whole.allocations / runs;
+        good = stop_once(&program, &whole, way, &ended);
+    }
+    for (size_t k = 0; k < sizeof limits / sizeof *limits; ++k) {
+        uint64_t least = 0;
+        ended = true;
+        for (unsigned i = 0; good && ended && i < runs; ++i) {
+            Way way = at_once;
+            way.whole = i % 2 != 0;
+            way.limit = 1 + limits[k];
+            way.least = least * (limits[k] == offsetof(Limits, memory) ? 4096 : 1);
+            least += 1 + least / FEWEST;
+            good = stop_once(&program, &whole, way, &ended);
+        }
+    }
+    for (unsigned i = 0; good && i < runs; ++i) {
+        Way way = at_once;
+        way.stack = 1 + i * (size_t)STACK / runs;
+        good = stop_once(&program, &whole, way, &ended);
+    }
+    free_outcome(&whole);
     free_program(&program);
     return good;
 }
@@ -329,7 +439,17 @@ static bool ends_with(const char *text, const char *end)
     return length >= tail && strcmp(text + length - tail, end) == 0;
 }
 
-static void test_folder(const char *folder, bool updating, size_t *count, size_t *failed)
+typedef struct Task {
+    bool updating;
+    unsigned stops; // runs of each kind; 0: none but the usual
+} Task;
+
+static bool do_program(const char *path, Task task)
+{
+    return task.stops ? stop_everywhere(path, task.stops) : test_program(path, task.updating);
+}
+
+static void test_folder(const char *folder, Task task, size_t *count, size_t *failed)
 {
     char *names[4096];
     size_t name_count = 0;
@@ -349,7 +469,7 @@ static void test_folder(const char *folder, bool updating, size_t *count, size_t
     for (size_t i = 0; i < name_count; ++i) {
         char path[PATH_MAX + 256];
         snprintf(path, sizeof path, "%s/%s", folder, names[i]);
-        *failed += !test_program(path, updating);
+        *failed += !do_program(path, task);
         ++*count;
         free(names[i]);
     }
@@ -357,18 +477,21 @@ static void test_folder(const char *folder, bool updating, size_t *count, size_t
 
 int main(int argc, char **argv)
 {
-    bool updating = argc > 1 && strcmp(argv[1], "--update") == 0;
+    Task task = {.updating = argc > 1 && strcmp(argv[1], "--update") == 0};
+    if (argc > 2 && strcmp(argv[1], "--stops") == 0) {
+        task.stops = (unsigned)strtoul(argv[2], NULL, 10);
+    }
     size_t count = 0, failed = 0;
-    for (int i = 1 + updating; i < argc; ++i) {
+    for (int i = task.stops ? 3 : 1 + task.updating; i < argc; ++i) {
         char path[PATH_MAX];
         struct stat info;
         if (!realpath(argv[i], path) || stat(path, &info) != 0) {
             printf("%s: can't be read\n", argv[i]);
             ++failed;
         } else if (S_ISDIR(info.st_mode)) {
-            test_folder(path, updating, &count, &failed);
+            test_folder(path, task, &count, &failed);
         } else {
-            failed += !test_program(path, updating);
+            failed += !do_program(path, task);
             ++count;
         }
     }
