@@ -153,7 +153,7 @@ void text_add(Eval *ev, TextBuffer *out, const char *format, ...)
         va_start(arguments, format);
         int length = vsnprintf(room ? out->text + out->length : NULL, room, format, arguments);
         va_end(arguments);
-        if (length < 0) {
+        if (length < 0) { // excepted: no format used here fails
             return;
         }
         if ((size_t)length < room) {

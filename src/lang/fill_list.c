@@ -140,7 +140,7 @@ static bool fill_faces(Eval *ev, const Param *param, FaceList *out, Value v, Whe
         }
         total += face_size(face);
     }
-    if (total > UINT32_MAX) {
+    if (total > UINT32_MAX) { // excepted: that takes 2^32 indices
         report(ev, E0706, where_span(where), "`%s` has too many indices", param->name);
         return false;
     }

@@ -216,7 +216,7 @@ static Value join_strings(Eval *ev, Value a, Value b, Span at)
     memcpy(text, a.string, a.count);
     memcpy(text + a.count, b.string, b.count);
     text[length] = '\0';
-    if (length > UINT32_MAX) {
+    if (length > UINT32_MAX) { // excepted: that takes a string of 4 GiB
         out_of_memory(ev);
     }
     return (Value){

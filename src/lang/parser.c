@@ -415,7 +415,7 @@ static void begin(Parser *p, void *with)
 
 static bool too_long(const Start *start)
 {
-    if (source_get(start->sources, start->file)->text.length < UINT32_MAX - 16) {
+    if (source_get(start->sources, start->file)->text.length < UINT32_MAX - 16) { // excepted: 4 GiB
         return false;
     }
     diag_report(start->sink, E0702, (Span){start->file, 0, 0}, "the file has more than 4 GiB");
@@ -457,7 +457,7 @@ bool parse(Ast *ast, const Sources *sources, uint32_t file, Interner *names, Par
     Parser p;
     init(&p, ast, &start);
     uint32_t errors = sink->errors;
-    if (too_long(&start)) {
+    if (too_long(&start)) { // excepted: that takes a text of 4 GiB
         return false;
     }
     // Literal items have a node for each 5 to 6 bytes and a word for each 8. Room that isn't used
@@ -483,7 +483,7 @@ Parser *parser_new(Ast *ast, const Sources *sources, uint32_t file, Interner *na
         return NULL;
     }
     init(p, ast, &start);
-    if (too_long(&start)) {
+    if (too_long(&start)) { // excepted: that takes a text of 4 GiB
         p->token.kind = TOKEN_END;
     } else {
         parse_guarded(p, begin, &start);

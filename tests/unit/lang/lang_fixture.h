@@ -24,6 +24,7 @@ typedef struct Setup {
     Limits limits;
     const ParamSetting *settings;
     size_t setting_count;
+    size_t stack; // Lang.stack
 } Setup;
 
 static inline void prepare(Fixture *f, const Setup *setup, const char *folder)
@@ -36,6 +37,7 @@ static inline void prepare(Fixture *f, const Setup *setup, const char *folder)
     assert_true(lang_init(&f->lang, &test_schema, &f->sandbox));
     assert_true(scene_init(&f->scene, &test_schema, &f->sandbox));
     f->lang.limits = setup->limits;
+    f->lang.stack = setup->stack;
     f->lang.settings = setup->settings;
     f->lang.setting_count = setup->setting_count;
     f->lang.print_to = open_memstream(&f->printed, &f->printed_size);

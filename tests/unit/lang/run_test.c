@@ -58,17 +58,38 @@ static void the_stack_is_guarded(void **state)
     assert_non_null(strstr(f.diagnostics, "error[E0704]"));
     assert_non_null(strstr(f.diagnostics, "error[E0405]")); // the next statement is evaluated
     unload(&f);
+    // How much of the stack a level takes is the compiler's business.
+    Setup small = setup_with("steps=100000000");
+    small.stack = 4 << 20;
     f = load_with(
-        "let deep = fold(range(1000000), group {}, fn(inner, i) = group { items: [inner] })"
+        "let deep = fold(range(300000), group {}, fn(inner, i) = group { items: [inner] })"
         "\ndeep\nball {}",
-        setup_with("steps=100000000"));
+        small);
     assert_non_null(strstr(f.diagnostics, "error[E0704]"));
     unload(&f);
-    f = load_with("let deep = fold(range(3000000), [], fn(inner, i) = [inner])\n"
+    f = load_with("let deep = fold(range(300000), [], fn(inner, i) = [inner])\n"
                   "print(deep == deep)\nprint(len(str(deep)) > 0)",
-                  setup_with("steps=100000000"));
+                  small);
     assert_non_null(strstr(f.diagnostics, "error[E0704]"));
     unload(&f);
+}
+
+// An editor's way to give up.
+static void a_stop_from_outside_ends_it(void **state)
+{
+    (void)state;
+    atomic_int stop = 0;
+    for (int stopped = 0; stopped < 2; ++stopped) {
+        Fixture f;
+        prepare(&f, &(Setup){.limits = limits_default()}, NULL);
+        f.lang.stop = &stop;
+        atomic_store(&stop, stopped);
+        lang_load_text(&f.lang, STR("for (i in 0..9) { ball {} }"), NULL, "test.scn", &f.scene);
+        collect(&f);
+        assert_string_equal(f.diagnostics, "");
+        assert_int_equal(f.scene.nodes[CATEGORY_SHAPE].count, stopped ? 0 : 10);
+        unload(&f);
+    }
 }
 
 static void memory_is_limited(void **state)
@@ -143,12 +164,86 @@ static void every_allocation_may_fail(void **state)
     assert_true(failures > 20);
 }
 
+// Each place that goes a level deeper is the first one too deep somewhere here.
+static void nesting_is_limited_everywhere(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "let _a = [if (true) 1 else 2]",
+        "let _a = [for (i in 0..1) [i]]",
+        "let _a = [if (true) if (true) 1 else 2 else 3]",
+        "if (false) { } else if (false) { } else if (true) { ball { } }",
+        "for (i in 0..1) for (k in 0..1) { ball { } }",
+        "for (i in 0..1) ball { }",
+        "if (true) ball { }",
+        "fn _f(x = 1, y = (2)) = x + y",
+        "fn _f(x) ball { radius: x }",
+        "expect 1 within (1) of 1",
+        "expect 1 within 10% of 1",
+        "let _a = 1 + 2 + 3 + 4 == -(-(-1)) ^ 2 ^ 2",
+        "let _a = ((((1))))",
+        "let _a = not not not true",
+        "let _a = ball { } with { radius: 2 } with { radius: 3 }",
+        "let _a = if (true) 1 else if (true) 2 else 3",
+        "group { group { group { ball { } } } }",
+        "let _a = (fn(x) = fn(y) = x)(1)(2)",
+        "if (1 = 1) { }",
+        "x = ((1))",
+        "ball { radius = ((1)) }",
+        "ball { 1 with { } }",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
+        bool deep_before = true;
+        for (unsigned most = 0; most < 12; ++most) {
+            char limit[32];
+            snprintf(limit, sizeof limit, "nesting=%u", most);
+            Fixture f = load_with(texts[i], setup_with(limit));
+            bool deep = strstr(f.diagnostics, "error[E0701]") != NULL;
+            assert_true(deep_before || !deep);
+            deep_before = deep;
+            unload(&f);
+        }
+        assert_false(deep_before);
+    }
+}
+
+// A text may end anywhere: in a number, an escape, a comment, a block. What ends in the middle of
+// something is an error or fine, and all of it is read.
+static void texts_end_anywhere(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "let _a = 1_000_.5e+12 m + 0x1F + 3 with { } 2cm withal",
+        "let _a = \"\\u{1F600} \\n \\\\ \xff\xfe é\" + #ffcc00",
+        "let _a = \"open\r\nlet _b = \"\\\r\n",
+        "let _a = 1e99999999999999 + 1e-9999999999 + 0e123456789",
+        "\xff\xff\xff",
+        "é = 1 /* within /* two */ */ let ü: 2 // \xc3",
+        "ball { radius 2, center: (1, 2 } ] ) [ { ball { }",
+        "scn 1\nball { } scn 2\nscn 1.5\nscn 1m",
+        "import \"a.scn\" as a\nparam p: int = 3 in 1..9 \"text\"\nexpect p within 10% of 3",
+        "scn\n: 2",
+        "3 ball { } = 4 } ) ]",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
+        const size_t length = strlen(texts[i]);
+        for (size_t end = 0; end <= length; ++end) {
+            char *text = strndup(texts[i], end); // so that a sanitizer knows where it ends
+            Fixture f = load(text);
+            assert_true(f.good || strstr(f.diagnostics, "error[E"));
+            unload(&f);
+            free(text);
+        }
+    }
+}
+
 static void settings_change_hash_and_params(void **state)
 {
     (void)state;
     ParamSetting settings[] = {{STR("n"), STR("5")}};
     Fixture a = load(broad), b = load(broad);
-    Fixture c = load_with(broad, (Setup){limits_default(), settings, 1});
+    Fixture c = load_with(
+        broad, (Setup){.limits = limits_default(), .settings = settings, .setting_count = 1});
     assert_true(a.good && b.good && c.good);
     assert_true(a.scene.hash == b.scene.hash && a.scene.hash != c.scene.hash);
     assert_string_equal(a.scene.params.items[0].name, "n");
@@ -226,9 +321,12 @@ int main(void)
         cmocka_unit_test(limits_are_parsed),
         cmocka_unit_test(deep_calls_of_deep_expressions),
         cmocka_unit_test(the_stack_is_guarded),
+        cmocka_unit_test(a_stop_from_outside_ends_it),
         cmocka_unit_test(memory_is_limited),
         cmocka_unit_test(iterations_give_memory_back),
         cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(nesting_is_limited_everywhere),
+        cmocka_unit_test(texts_end_anywhere),
         cmocka_unit_test(settings_change_hash_and_params),
         cmocka_unit_test(params_are_listed_as_json),
         cmocka_unit_test(noise_is_smooth_and_bounded),
