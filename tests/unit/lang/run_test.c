@@ -191,6 +191,12 @@ static void nesting_is_limited_everywhere(void **state)
         "x = ((1))",
         "ball { radius = ((1)) }",
         "ball { 1 with { } }",
+        "if (true) { } else if (true) { }",
+        "fn _f(x: ((1))) = x",
+        "fn _f() ball { radius: ((1)) }",
+        "let _a = [if (true) ((1)) else if (false) ((2)) else ((3))]",
+        "expect 1 within ((((1)))) of 1",
+        "let _a = 1 + 1 = ((2))",
     };
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
         bool deep_before = true;
@@ -224,6 +230,21 @@ static void texts_end_anywhere(void **state)
         "import \"a.scn\" as a\nparam p: int = 3 in 1..9 \"text\"\nexpect p within 10% of 3",
         "scn\n: 2",
         "3 ball { } = 4 } ) ]",
+        "let _a = 12 m with { radius: 2 }",
+        "let _a = 12 m withal",
+        "let _a = 12 m\t\r\n with_",
+        "a_name_that_is_longer_than_forty_characters_are = 3",
+        "ball { } scn 1",
+        "scn 2\n",
+        "scn 1cm\n",
+        "if true { } else { }",
+        "if (true { } else { }",
+        "let _a = if true 1 else 2",
+        "let _a = 1_",
+        "let _a = 1__0 + 1_.5",
+        "\xff\xfe\xff let _a = 1",
+        "ball { radius 1 }",
+        "ball ( ) ] }",
     };
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
         const size_t length = strlen(texts[i]);
@@ -298,6 +319,31 @@ static void params_are_listed_as_json(void **state)
     remove_folder(folder);
 }
 
+static void tokens_of_all_kinds_are_dumped(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/scn_tokens_XXXXXX", path[128], *text;
+    size_t size;
+    assert_non_null(mkdtemp(folder));
+    write_file(folder, "a.scn", "name 2cm 3 #00ff00 \"text\" + $");
+    snprintf(path, sizeof path, "%s/a.scn", folder);
+    Sandbox sandbox;
+    Lang lang;
+    sandbox_init(&sandbox);
+    assert_int_equal(sandbox_allow(&sandbox, folder), IO_OK);
+    assert_true(lang_init(&lang, &test_schema, &sandbox));
+    FILE *out = open_memstream(&text, &size);
+    assert_false(lang_dump_tokens(&lang, path, "a.scn", out)); // for the last
+    fclose(out);
+    assert_string_equal(text, "0:4 name name\n5:8 number 2 cm\n9:10 number 3\n"
+                              "11:18 color #00ff00\n19:25 string \"text\"\n26:27 +\n"
+                              "28:29 error\n29:29 end\n");
+    free(text);
+    lang_free(&lang);
+    sandbox_free(&sandbox);
+    remove_folder(folder);
+}
+
 static void noise_is_smooth_and_bounded(void **state)
 {
     (void)state;
@@ -329,6 +375,7 @@ int main(void)
         cmocka_unit_test(texts_end_anywhere),
         cmocka_unit_test(settings_change_hash_and_params),
         cmocka_unit_test(params_are_listed_as_json),
+        cmocka_unit_test(tokens_of_all_kinds_are_dumped),
         cmocka_unit_test(noise_is_smooth_and_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
