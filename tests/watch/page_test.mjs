@@ -205,8 +205,12 @@ test("the keyboard moves the camera and asks for a pixel", async () => {
 });
 
 test("a double click sets the focus; the wheel goes nearer", async () => {
-  await page.mouse.dblclick(...(await place(0.5, 0.5)));
-  await until("the focus", async () => (await state()).view.camera_text.includes("focus_distance: 4 }"));
+  // Where the machine is busy, the picture may move under the first of two clicks: then once more.
+  await until("the focus", async () => {
+    await page.mouse.dblclick(...(await place(0.5, 0.5)));
+    await page.waitForTimeout(300);
+    return (await state()).view.camera_text.includes("focus_distance: 4 }");
+  });
   await page.mouse.move(...(await place(0.5, 0.5)));
   await page.mouse.wheel(0, -200);
   await until("a nearer camera", async () => /position: \(0, 0, [34]\.\d+\)/.test((await state()).view.camera_text));
