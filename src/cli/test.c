@@ -3,13 +3,13 @@
 #include "cli/interrupt.h"
 #include "cli/test_report.h"
 
+#include "base/clock.h"
 #include "base/mem.h"
 
 #include <errno.h>
 #include <fts.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 typedef struct Testing {
@@ -18,13 +18,6 @@ typedef struct Testing {
     Interrupt interrupt;
     int code; // the worst that wasn't a failed expectation
 } Testing;
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static bool stopped(const Testing *testing)
 {
@@ -95,7 +88,7 @@ static void test_measured(Testing *testing, Loading *loading, Meter *meter, size
                                        [METER_NOT_MET] = VERDICT_FAIL,
                                        [METER_UNDECIDED] = VERDICT_UNDECIDED};
     MeterResult result;
-    double began = now();
+    double began = clock_seconds();
     show_progress(testing, loading, expectation);
     bool measured = meter_measure(meter, expectation->measure, &result);
     show_progress(testing, loading, NULL);
@@ -103,7 +96,8 @@ static void test_measured(Testing *testing, Loading *loading, Meter *meter, size
         keep_worst(testing, complain(EXIT_NO_MEMORY, "not enough memory to measure"));
     }
     test_report_case(&testing->report, loading,
-                     &(TestCase){expectation, verdicts[result.verdict], &result, now() - began,
+                     &(TestCase){expectation, verdicts[result.verdict], &result,
+                                 clock_seconds() - began,
                                  is_repeated(&loading->scene.expectations, i)});
 }
 
@@ -209,7 +203,7 @@ static void test_operand(Testing *testing, const char *name)
     if (copy) {
         test_folder(testing, strcpy(copy, name));
     } else {
-        keep_worst(testing, complain(EXIT_NO_MEMORY, "not enough memory"));
+        keep_worst(testing, complain_no_memory());
     }
     mem_free(copy);
 }
@@ -230,14 +224,14 @@ static int exit_code(const Testing *testing)
 int command_test(const Options *options)
 {
     Testing testing = {.options = options};
-    double began = now();
+    double began = clock_seconds();
     test_report_begin(&testing.report, options, stdout);
     interrupt_begin(&testing.interrupt);
     interrupt_heed(&testing.interrupt);
     for (size_t i = 0; i < options->operand_count && !stopped(&testing); ++i) {
         test_operand(&testing, options->operands[i]);
     }
-    testing.report.seconds = now() - began;
+    testing.report.seconds = clock_seconds() - began;
     test_report_end(&testing.report);
     int code = exit_code(&testing);
     interrupt_end(&testing.interrupt);

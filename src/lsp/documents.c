@@ -1,5 +1,6 @@
 #include "lsp/server.h"
 
+#include "base/clock.h"
 #include "base/mem.h"
 #include "lang/lexer.h"
 #include "lsp/uri.h"
@@ -71,7 +72,7 @@ static void make_stale(Server *server, const char *path, const char *real)
             misses_file(&document->said) || misses_file(&document->found)) {
             drop_analysis(document);
             document->is_told = false;
-            document->evaluate_at = server_now() + server->settings.pause;
+            document->evaluate_at = clock_seconds() + server->settings.pause;
             if (server->evaluation.document == document) {
                 evaluation_cancel(server);
             }
@@ -138,7 +139,7 @@ Document *document_open(Server *server, const char *uri, double version, Str tex
     }
     make_stale(server, document->path, document->real);
     array_push(&server->documents, document);
-    document->evaluate_at = server_now();
+    document->evaluate_at = clock_seconds();
     return document;
 }
 
@@ -193,7 +194,7 @@ bool document_edit(Server *server, Document *document, uint32_t begin, uint32_t 
     drop_analysis(document); // it holds the text
     document->is_told = false;
     document->has_tokens = false;
-    document->evaluate_at = server_now() + server->settings.pause;
+    document->evaluate_at = clock_seconds() + server->settings.pause;
     if (server->evaluation.document == document) {
         evaluation_cancel(server);
     }

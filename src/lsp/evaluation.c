@@ -2,6 +2,7 @@
 // best given back at once; ended at the next key, it leaves nothing behind.
 #include "lsp/server.h"
 
+#include "base/clock.h"
 #include "base/mem.h"
 
 #include <errno.h>
@@ -117,7 +118,7 @@ void evaluation_start(Server *server, Document *document)
         close(ends[0]);
         return;
     }
-    double now = server_now();
+    double now = clock_seconds();
     evaluation->document = document;
     evaluation->process = process;
     evaluation->from = ends[0];

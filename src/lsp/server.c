@@ -1,20 +1,13 @@
 #include "lsp/server.h"
 
+#include "base/clock.h"
 #include "base/mem.h"
 #include "lsp/features.h"
 #include "lsp/lifecycle.h"
 
 #include <errno.h>
 #include <poll.h>
-#include <time.h>
 #include <unistd.h>
-
-double server_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
-}
 
 // --- Sending -------------------------------------------------------------------------------------
 
@@ -308,7 +301,7 @@ double server_idle(Server *server)
             arena_free(&server->scratch);
         }
     }
-    double now = server_now(), next = -1;
+    double now = clock_seconds(), next = -1;
     evaluation_watch(server, now);
     if (server->evaluation.document) {
         return 0.1;

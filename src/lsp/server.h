@@ -53,7 +53,7 @@ struct Document {
     Report said;        // by the survey
     Report found;       // by the last evaluation, moved along with the text since
     bool is_told;       // the diagnostics of this text were published
-    double evaluate_at; // seconds of server_now; 0: not to be evaluated
+    double evaluate_at; // by clock_seconds; 0: not to be evaluated
     // Semantic tokens as last sent, to tell what changed.
     uint32_t *sent_tokens;
     size_t sent_count;
@@ -153,7 +153,6 @@ struct Server {
     Arena scratch; // of the request at hand
 };
 
-double server_now(void);
 void server_notify(Server *server, const char *method, cJSON *params);
 void server_request(Server *server, const char *method, cJSON *params);
 cJSON *server_fail(Server *server, RpcError error, const char *text); // gives NULL

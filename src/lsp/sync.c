@@ -1,4 +1,5 @@
 // What the client tells of its documents, and of files.
+#include "base/clock.h"
 #include "lsp/lifecycle.h"
 #include "lsp/uri.h"
 
@@ -38,7 +39,7 @@ void sync_save(Server *server, const cJSON *params)
 {
     Document *document = document_by_uri(server, json_get_string(params, "textDocument.uri"));
     if (document && document->evaluate_at > 0) {
-        document->evaluate_at = server_now();
+        document->evaluate_at = clock_seconds();
     }
 }
 

@@ -5,21 +5,13 @@
 // only (see film.h), and its samples on its place and their numbers only (sampler.h).
 #include "render/renderer.h"
 
+#include "base/clock.h"
 #include "base/mem.h"
 #include "base/thread.h"
-
-#include <time.h>
 
 static const double report_interval = 0.05; // seconds
 static const int64_t max_pixels = INT64_C(1) << 30;
 static const int64_t max_sample = INT64_C(1) << 31;
-
-double renderer_clock(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 // --- Making ready --------------------------------------------------------------------------------
 
@@ -138,7 +130,7 @@ Renderer *renderer_new(const Scene *scene, const RenderOptions *options, DiagSin
         diag_report(sink, E0001, (Span){0}, "not enough memory to render");
         return NULL;
     }
-    const double began = renderer_clock();
+    const double began = clock_seconds();
     r->scene = scene;
     r->options = *options;
     if (r->options.threads == 0) {
@@ -155,7 +147,7 @@ Renderer *renderer_new(const Scene *scene, const RenderOptions *options, DiagSin
         renderer_free(r);
         return NULL;
     }
-    r->build_seconds = renderer_clock() - began;
+    r->build_seconds = clock_seconds() - began;
     return r;
 }
 
@@ -202,7 +194,7 @@ const Camera *renderer_camera(const Renderer *r)
 // How much of the work is done: of the samples, or of the time.
 static double fraction_done(const Renderer *r, double done, double all)
 {
-    const double passed = r->render_seconds + renderer_clock() - r->began;
+    const double passed = r->render_seconds + clock_seconds() - r->began;
     const double of_time = r->params.time_limit > 0 ? passed / r->params.time_limit : 0;
     return fmin(fmax(done / all, of_time), 1);
 }
@@ -212,7 +204,7 @@ static void report(Renderer *r, bool pass_done)
     const double all =
         r->rule ? r->adaptive.expected : (double)r->samples * (double)film_pixel_count(&r->film);
     const uint64_t done = atomic_load_explicit(&r->samples_done, memory_order_relaxed);
-    const double run = renderer_clock() - r->began;
+    const double run = clock_seconds() - r->began;
     // What was done in earlier runs says nothing about this one's speed.
     const double speed = run > 0 ? (double)(done - r->samples_before) / run : 0;
     const double left = speed > 0 ? fmax(all - (double)done, 0) / speed : INFINITY;
@@ -220,7 +212,7 @@ static void report(Renderer *r, bool pass_done)
         .film = &r->film,
         .fraction = fraction_done(r, (double)done, all),
         .seconds = r->render_seconds + run,
-        .seconds_left = fmin(left, fmax(r->deadline - renderer_clock(), 0)),
+        .seconds_left = fmin(left, fmax(r->deadline - clock_seconds(), 0)),
         .rays = atomic_load_explicit(&r->rays, memory_order_relaxed) +
                 atomic_load_explicit(&r->shadow_rays, memory_order_relaxed),
         .samples = done,
@@ -231,7 +223,7 @@ static void report(Renderer *r, bool pass_done)
 
 void renderer_tick(Renderer *r)
 {
-    const double time = renderer_clock();
+    const double time = clock_seconds();
     if (time >= r->deadline) {
         atomic_store_explicit(&r->out_of_time, true, memory_order_relaxed);
     }
@@ -243,7 +235,7 @@ void renderer_tick(Renderer *r)
     // Perhaps another thread reported in between.
     if (time - atomic_load_explicit(&r->last_report, memory_order_relaxed) >= report_interval) {
         report(r, false);
-        atomic_store_explicit(&r->last_report, renderer_clock(), memory_order_relaxed);
+        atomic_store_explicit(&r->last_report, clock_seconds(), memory_order_relaxed);
     }
     atomic_flag_clear(&r->reporting);
 }
@@ -341,7 +333,7 @@ static void end_pass(Renderer *r)
 
 bool renderer_run(Renderer *r, RenderStats *stats)
 {
-    r->began = renderer_clock();
+    r->began = clock_seconds();
     r->deadline = r->params.time_limit > 0
                       ? r->began + fmax(r->params.time_limit - r->render_seconds, 0)
                       : INFINITY;
@@ -362,7 +354,7 @@ bool renderer_run(Renderer *r, RenderStats *stats)
     if (r->rule) {
         adaptive_show(&r->adaptive, &r->film);
     }
-    r->render_seconds += renderer_clock() - r->began;
+    r->render_seconds += clock_seconds() - r->began;
     if (stats) {
         renderer_stats(r, stats);
     }

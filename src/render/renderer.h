@@ -39,9 +39,6 @@ struct Renderer {
     _Atomic double last_report;
 };
 
-// Seconds on a clock that only goes forward.
-double renderer_clock(void);
-
 // True once rendering shall end: asked for, or out of time.
 static inline bool renderer_stopped(const Renderer *r)
 {

@@ -10,6 +10,7 @@
 // shown from the coarse picture.
 #include "watch/session_internal.h"
 
+#include "base/clock.h"
 #include "base/mem.h"
 #include "image/image.h"
 #include "render/render.h"
@@ -124,7 +125,7 @@ static void publish(Worker *w, Snapshot *picture)
     session->picture = picture;
     session->status.error = picture->error;
     if (!isnan(w->asked_at)) {
-        session->status.first_picture = session_now() - w->asked_at;
+        session->status.first_picture = clock_seconds() - w->asked_at;
         w->asked_at = NAN;
     }
     ++session->news.picture;
@@ -268,7 +269,7 @@ static void restart(Worker *w, DiagSink *sink)
     render_coarse(w, &view, sink);
     RenderOptions options = options_for(w, &view);
     w->renderer = renderer_new(&w->loaded->scene, &options, sink);
-    w->restarted_at = session_now();
+    w->restarted_at = clock_seconds();
     pthread_mutex_lock(&session->lock);
     SessionStatus *status = &session->status;
     status->width = (uint32_t)view.width;
@@ -381,7 +382,7 @@ static void on_progress(void *context, const RenderProgress *progress)
 {
     Worker *w = context;
     Session *session = w->session;
-    double now = session_now();
+    double now = clock_seconds();
     if (now > w->slice_ends) {
         int expected = GO_ON;
         atomic_compare_exchange_strong(&session->stop, &expected, STOP_FOR_PICTURE);
@@ -407,7 +408,7 @@ static void on_progress(void *context, const RenderProgress *progress)
 static void refine(Worker *w)
 {
     Session *session = w->session;
-    double now = session_now();
+    double now = clock_seconds();
     w->slice_ends = now + slice_seconds(w, now);
     RenderStats stats;
     bool rendered = renderer_run(w->renderer, &stats);
@@ -418,12 +419,12 @@ static void refine(Worker *w)
     if (!rendered || expected == STOP_FOR_REQUEST) {
         return; // it would be out of date
     }
-    double began = session_now();
+    double began = clock_seconds();
     Snapshot *picture = take_picture(w, w->renderer, w->under);
     if (picture) {
         publish(w, picture);
     }
-    w->picture_seconds = session_now() - began;
+    w->picture_seconds = clock_seconds() - began;
     if (!w->preloaded) {
         image_preload(""); // for textures to come, and for saving pictures
         w->preloaded = true;

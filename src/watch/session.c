@@ -1,6 +1,7 @@
 // Requests and answers. All of it holds the lock for as long as it takes to copy a few values.
 #include "watch/session_internal.h"
 
+#include "base/clock.h"
 #include "base/mem.h"
 #include "render/picture_cache.h"
 #include "scene/mesh_cache.h"
@@ -10,13 +11,6 @@
 #include <signal.h>
 #include <string.h>
 #include <time.h>
-
-double session_now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 // --- Beginning and end ---------------------------------------------------------------------------
 
@@ -66,7 +60,7 @@ Session *session_new(const SessionOptions *options, char *message, size_t messag
     session->exposure = NAN;
     session->tone = -1;
     session->change = CHANGE_SCENE;
-    session->asked_at = session_now();
+    session->asked_at = clock_seconds();
     session->news = (SessionNews){1, 1, 1, 0};
     session->status = (SessionStatus){
         .phase = PHASE_EVALUATING, .seconds_left = INFINITY, .error = NAN, .first_picture = NAN};
@@ -175,7 +169,7 @@ Snapshot *session_picture(Session *session, SessionLook *look)
 static void ask(Session *session, Change change)
 {
     if (session->change == CHANGE_NOTHING) {
-        session->asked_at = session_now();
+        session->asked_at = clock_seconds();
     }
     if (change > session->change) {
         session->change = change;

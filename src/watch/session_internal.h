@@ -51,8 +51,6 @@ typedef struct Session {
     Text params; // JSON of the last version whose params could be read
 } Session;
 
-double session_now(void); // seconds, monotonic
-
 // The settings in force, and the camera that was chosen; called with the lock held.
 uint32_t session_camera(const Session *session, const Scene *scene);
 
