@@ -40,9 +40,8 @@ static const char *title_of(const char *shown)
 // "shelf.pov" for "shelf.scn", in the working folder's terms.
 static const char *default_name(Loading *loading)
 {
-    const char *name = loading->shown, *slash = strrchr(name, '/'), *dot = strrchr(name, '.');
-    size_t length = dot && (!slash || dot > slash + 1) ? (size_t)(dot - name) : strlen(name);
-    return arena_printf(&loading->lang.arena, "%.*s.%s", (int)length, name,
+    const char *name = loading->shown;
+    return arena_printf(&loading->lang.arena, "%.*s.%s", (int)stem_length(name), name,
                         loading->options->target->extension);
 }
 
@@ -66,7 +65,7 @@ static int write_file(Loading *loading, ExportNotes *notes)
     }
     name = name ? name : default_name(loading);
     if (!name) {
-        return complain(EXIT_NO_MEMORY, "not enough memory");
+        return complain_no_memory();
     }
     if (!atomic_file_open(&file, name, message, sizeof message)) {
         return complain(EXIT_FILES, "can't write `%s`: %s", name, message);

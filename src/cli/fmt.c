@@ -75,7 +75,7 @@ static int deliver(const File *file)
     Str before = {file->text.bytes, file->text.size}, after = formatted_text(file);
     bool changed = !str_equal(before, after);
     if (changed && options->diff && !diff_write(before, after, file->shown, stdout)) {
-        return complain(EXIT_NO_MEMORY, "not enough memory");
+        return complain_no_memory();
     }
     if (options->check) {
         if (changed && !options->diff) {
@@ -103,7 +103,7 @@ static int format_text(File *file)
     Str text = {file->text.bytes, file->text.size};
     uint32_t source = sources_add(&file->sources, file->shown, NULL, text, (Span){0});
     if (!source) {
-        return complain(EXIT_NO_MEMORY, "not enough memory");
+        return complain_no_memory();
     }
     if (!format_source(&file->formatted, &file->sources, source, &file->names,
                        parse_limits(file->options), &file->sink)) {

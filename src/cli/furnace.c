@@ -103,7 +103,7 @@ static int measure(FurnaceRun *run)
     for (size_t i = 0; i < run->subjects.count; ++i) {
         FurnaceSubject *subject = &run->subjects.items[i];
         if (!furnace_measure(run->world, subject->material, &furnace, &subject->report)) {
-            return complain(EXIT_NO_MEMORY, "not enough memory");
+            return complain_no_memory();
         }
         if (subject->report.stopped) {
             return complain(stop_code(run), "interrupted after %zu of %zu materials", i,
@@ -166,7 +166,7 @@ static int run_furnace(FurnaceRun *run)
         return code != EXIT_OK ? code : EXIT_DIAGNOSTICS;
     }
     if (!find_subjects(run)) {
-        return complain(EXIT_NO_MEMORY, "not enough memory");
+        return complain_no_memory();
     }
     if (run->subjects.count == 0) {
         return complain(EXIT_DIAGNOSTICS, "`%s` has no materials", loading->shown);

@@ -22,9 +22,16 @@ int complain(int code, const char *format, ...)
     return code;
 }
 
-static int no_memory(void)
+int complain_no_memory(void)
 {
     return complain(EXIT_NO_MEMORY, "not enough memory");
+}
+
+size_t stem_length(const char *name)
+{
+    const char *slash = strrchr(name, '/'), *file = slash ? slash + 1 : name;
+    const char *dot = strrchr(file, '.');
+    return dot && dot > file ? (size_t)(dot - name) : strlen(name);
 }
 
 // --- Finding the scene
@@ -46,7 +53,7 @@ static int begin_text(Loading *loading, const char *name)
     loading->path = arena_printf(&loading->lang.arena, "%s/standard input", folder);
     loading->lang.given_path = loading->path;
     loading->lang.given_text = (Str){loading->text.bytes, loading->text.size};
-    return loading->path ? EXIT_OK : no_memory();
+    return loading->path ? EXIT_OK : complain_no_memory();
 }
 
 static int begin_file(Loading *loading, const char *name)
@@ -63,7 +70,7 @@ static int begin_file(Loading *loading, const char *name)
         return complain(EXIT_FILES, "can't read `%s`: %s", name, strerror(errno));
     }
     loading->path = arena_copy_string(&loading->lang.arena, real, strlen(real));
-    return loading->path ? EXIT_OK : no_memory();
+    return loading->path ? EXIT_OK : complain_no_memory();
 }
 
 static int allow(Loading *loading, const char *folder)
@@ -81,7 +88,7 @@ static int open_sandbox(Loading *loading)
     const char *slash = strrchr(loading->path, '/');
     size_t length = slash > loading->path ? (size_t)(slash - loading->path) : 1;
     const char *folder = arena_copy_string(&loading->lang.arena, loading->path, length);
-    int code = folder ? allow(loading, folder) : no_memory();
+    int code = folder ? allow(loading, folder) : complain_no_memory();
     for (size_t i = 0; code == EXIT_OK && i < loading->options->folder_count; ++i) {
         code = allow(loading, loading->options->folders[i]);
     }
@@ -100,7 +107,7 @@ int loading_begin(Loading *loading, const Options *options)
     loading->has_scene =
         loading->has_lang && scene_init(&loading->scene, schema, &loading->sandbox);
     if (!loading->has_scene) {
-        return no_memory();
+        return complain_no_memory();
     }
     loading->lang.limits = options->limits;
     loading->lang.settings = options->settings;
@@ -196,7 +203,7 @@ static int report(const Options *options, Told *told, const DiagSink *sink, Sour
     DiagSink shown = *sink;
     if ((options->quiet && !keep_errors(&shown)) ||
         (told && !told_keep_new(told, &shown, sources))) {
-        return no_memory();
+        return complain_no_memory();
     }
     if (options->json) {
         diag_write_json(&shown, sources, stderr);
@@ -206,7 +213,7 @@ static int report(const Options *options, Told *told, const DiagSink *sink, Sour
     }
     fflush(stderr);
     if (memory_ran_out(sink)) {
-        return shown.count > 0 ? EXIT_NO_MEMORY : no_memory();
+        return shown.count > 0 ? EXIT_NO_MEMORY : complain_no_memory();
     }
     return sink->errors > 0 ? EXIT_DIAGNOSTICS : EXIT_OK;
 }

@@ -34,5 +34,11 @@ void loading_free(Loading *loading);
 
 // A message of the program itself on standard error, "scnrender: …"; returns `code`.
 int complain(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// That memory ran out; EXIT_NO_MEMORY.
+int complain_no_memory(void);
+
+// How much of a file's name stands before its extension: what is made of the scene `a/b.scn` is
+// called `a/b` and something else.
+size_t stem_length(const char *name);
 
 #endif

@@ -44,7 +44,7 @@ static int read_heads(Merging *m)
     m->count = m->options->operand_count;
     m->parts = arena_array(&m->arena, m->count, sizeof *m->parts);
     if (!m->parts) {
-        return complain(EXIT_NO_MEMORY, "not enough memory");
+        return complain_no_memory();
     }
     for (size_t i = 0; i < m->count; ++i) {
         Checkpoint part;

@@ -55,7 +55,7 @@ static int named_by_scene(Picture *picture, Loading *loading, const char *file)
     const char *base = slash ? arena_printf(arena, "%.*s", (int)(slash - shown) + 1, shown) : "./";
     picture->path = base ? arena_printf(arena, "%s%s", base, file) : NULL;
     if (!picture->path) {
-        return complain(EXIT_NO_MEMORY, "not enough memory");
+        return complain_no_memory();
     }
     if (!stays_below(file) || !folder_is_inside(picture->path, base, arena)) {
         return complain(EXIT_DIAGNOSTICS,
@@ -70,11 +70,8 @@ static int named_by_scene(Picture *picture, Loading *loading, const char *file)
 static int named_after_scene(Picture *picture, Loading *loading)
 {
     const char *shown = loading->shown;
-    const char *slash = strrchr(shown, '/'), *name = slash ? slash + 1 : shown;
-    const char *dot = strrchr(name, '.');
-    size_t length = dot && dot > name ? (size_t)(dot - shown) : strlen(shown);
-    picture->path = arena_printf(&loading->scene.arena, "%.*s.png", (int)length, shown);
-    return picture->path ? EXIT_OK : complain(EXIT_NO_MEMORY, "not enough memory");
+    picture->path = arena_printf(&loading->scene.arena, "%.*s.png", (int)stem_length(shown), shown);
+    return picture->path ? EXIT_OK : complain_no_memory();
 }
 
 static int find_name(Picture *picture, Loading *loading, const char *file)
@@ -440,6 +437,26 @@ static int make_layers(const Picture *picture, const Film *film, Arena *arena, I
     return count;
 }
 
+int picture_replace(const char *path, const ImageFile *file, Arena *arena, char *message,
+                    size_t message_size)
+{
+    char why[400];
+    if (!image_available(path, why, sizeof why)) { // before anything lies beside it
+        snprintf(message, message_size, "can't write `%s`: %s", path, why);
+        return EXIT_FILES;
+    }
+    char *temporary = atomic_temporary_name(arena, path, message, message_size);
+    if (!temporary) {
+        return EXIT_FILES;
+    }
+    if (!image_write(temporary, path, file, why, sizeof why)) {
+        atomic_discard(temporary);
+        snprintf(message, message_size, "can't write `%s`: %s", path, why);
+        return EXIT_FILES;
+    }
+    return atomic_rename(temporary, path, message, message_size) ? EXIT_OK : EXIT_FILES;
+}
+
 static int write_layers(const Picture *picture, const Film *film, Arena *arena, char *message,
                         size_t message_size)
 {
@@ -452,21 +469,7 @@ static int write_layers(const Picture *picture, const Film *film, Arena *arena, 
     }
     ImageFile file = {(int)film->width, (int)film->height, picture->bits,   layers,
                       layer_count,      attributes.items,  attributes.count};
-    char why[400];
-    if (!image_available(picture->path, why, sizeof why)) { // before anything lies beside it
-        snprintf(message, message_size, "can't write `%s`: %s", picture->path, why);
-        return EXIT_FILES;
-    }
-    char *temporary = atomic_temporary_name(arena, picture->path, message, message_size);
-    if (!temporary) {
-        return EXIT_FILES;
-    }
-    if (!image_write(temporary, picture->path, &file, why, sizeof why)) {
-        atomic_discard(temporary);
-        snprintf(message, message_size, "can't write `%s`: %s", picture->path, why);
-        return EXIT_FILES;
-    }
-    return atomic_rename(temporary, picture->path, message, message_size) ? EXIT_OK : EXIT_FILES;
+    return picture_replace(picture->path, &file, arena, message, message_size);
 }
 
 int picture_write(const Picture *picture, const Film *film, char *message, size_t message_size)

@@ -3,6 +3,7 @@
 #define CLI_PICTURE_H
 
 #include "cli/load.h"
+#include "image/image.h"
 #include "render/checkpoint.h"
 #include "render/render.h"
 
@@ -38,5 +39,8 @@ bool picture_has_layers(const Picture *picture);
 // Replaces the picture by what the film holds. EXIT_OK, or EXIT_FILES or EXIT_NO_MEMORY with a
 // message.
 int picture_write(const Picture *picture, const Film *film, char *message, size_t message_size);
+// Replaces the file `path` by any image; the type follows from its name. As picture_write.
+int picture_replace(const char *path, const ImageFile *file, Arena *arena, char *message,
+                    size_t message_size);
 
 #endif

@@ -414,7 +414,7 @@ static int render(Rendering *rendering)
     }
     rendering->picture.camera = rendering->has_camera ? loading->options->camera : NULL;
     if (!picture_describe(&rendering->picture, loading, rendering->renderer)) {
-        return complain(EXIT_NO_MEMORY, "not enough memory");
+        return complain_no_memory();
     }
     return run(rendering);
 }

@@ -17,19 +17,12 @@ static const char records[] = ".records"; // the folder in the folder
 
 // --- Names ---------------------------------------------------------------------------------------
 
-static size_t stem_length(const char *name)
-{
-    const char *slash = strrchr(name, '/'), *file = slash ? slash + 1 : name;
-    const char *dot = strrchr(file, '.');
-    return dot && dot > file ? (size_t)(dot - name) : strlen(name);
-}
-
 const char *series_default_name(const Options *options, Arena *arena, const char *ending)
 {
     const char *scene = options->operand;
     const char *name = arena_printf(arena, "%.*s%s", (int)stem_length(scene), scene, ending);
     if (!name) {
-        complain(EXIT_NO_MEMORY, "not enough memory");
+        complain_no_memory();
     }
     return name;
 }
@@ -57,7 +50,7 @@ static int make_folders(Series *series, const char *name)
     const char *below =
         series->folder ? arena_printf(&series->arena, "%s/%s", series->folder, records) : NULL;
     if (!below) {
-        return complain(EXIT_NO_MEMORY, "not enough memory");
+        return complain_no_memory();
     }
     const int code = make_folder(series->folder);
     return code == EXIT_OK ? make_folder(below) : code;
@@ -86,7 +79,7 @@ int series_begin(Series *series, const Options *options, const char *name, size_
     series->pictures = picture_cache_new();
     series->meshes = mesh_cache_new();
     if (!series->checker.base || !series->pictures || !series->meshes) {
-        return complain(EXIT_NO_MEMORY, "not enough memory");
+        return complain_no_memory();
     }
     interrupt_begin(&series->interrupt);
     interrupt_heed(&series->interrupt);
@@ -214,7 +207,7 @@ static int render(Series *series, const SeriesPicture *p, const Names *names, Re
 {
     const Options options = options_of(series, p, names);
     if (!options.settings) {
-        return complain(EXIT_NO_MEMORY, "not enough memory");
+        return complain_no_memory();
     }
     char label[48];
     snprintf(label, sizeof label, "[%zu/%zu] ", series->number, series->count);
@@ -260,7 +253,7 @@ static int make(Series *series, const SeriesPicture *p, const char *settings)
 {
     Names names;
     if (!name_files(series, p, &names)) {
-        return complain(EXIT_NO_MEMORY, "not enough memory");
+        return complain_no_memory();
     }
     Record record = {.settings = settings,
                      .pictures = names.files,
@@ -282,8 +275,7 @@ int series_make(Series *series, const SeriesPicture *picture)
     }
     const ArenaMark mark = arena_mark(&series->arena);
     char *settings = settings_text(series->options, picture);
-    code =
-        settings ? make(series, picture, settings) : complain(EXIT_NO_MEMORY, "not enough memory");
+    code = settings ? make(series, picture, settings) : complain_no_memory();
     free(settings);
     arena_rewind(&series->arena, mark);
     return code;

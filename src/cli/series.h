@@ -47,7 +47,7 @@ int series_interrupted(const Series *series);
 void series_end(Series *series);
 
 // The name of a file beside the scene, of the scene's name and an ending (".sweep.png"), in
-// `arena`. NULL after a message: the scene comes from a pipe.
+// `arena`. NULL after a message: memory ran out.
 const char *series_default_name(const Options *options, Arena *arena, const char *ending);
 
 #endif

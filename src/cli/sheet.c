@@ -2,7 +2,7 @@
 
 #include "base/io.h"
 #include "base/mem.h"
-#include "cli/options.h"
+#include "cli/picture.h"
 #include "image/image.h"
 #include "image/lettering.h"
 #include "image/peek.h"
@@ -334,15 +334,7 @@ static int write_canvas(const Canvas *canvas, const char *title, const char *pat
                                          {"ImageDescription", title}};
     const ImageFile file = {canvas->width, canvas->height, 0, &layer, 1, attributes, 2};
     Arena arena = {0};
-    char why[400];
-    int code = EXIT_FILES;
-    char *temporary = atomic_temporary_name(&arena, path, message, size);
-    if (temporary && !image_write(temporary, path, &file, why, sizeof why)) {
-        atomic_discard(temporary);
-        snprintf(message, size, "can't write `%.300s`: %s", path, why);
-    } else if (temporary && atomic_rename(temporary, path, message, size)) {
-        code = EXIT_OK;
-    }
+    const int code = picture_replace(path, &file, &arena, message, size);
     arena_free(&arena);
     return code;
 }

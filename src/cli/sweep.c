@@ -1,5 +1,6 @@
 #include "cli/sweep.h"
 
+#include "base/clock.h"
 #include "base/mem.h"
 #include "cli/series.h"
 #include "cli/sheet.h"
@@ -7,10 +8,9 @@
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
 #include <xxhash.h>
 
-enum { MOST_CELLS = 10000, LONGEST_STEM = 120, STEM_SIZE = LONGEST_STEM + 24 };
+enum { MOST_CELLS = 10000, MOST_SWEEPS = 64, LONGEST_STEM = 120, STEM_SIZE = LONGEST_STEM + 24 };
 
 // How often the sheet is put on the disk before all of it is done.
 static const double SHEET_SECONDS = 15;
@@ -25,18 +25,6 @@ typedef struct SweepRun {
     size_t failed;
     double sheet_at; // when the sheet is due, s
 } SweepRun;
-
-static double now(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
-static int no_memory(void)
-{
-    return complain(EXIT_NO_MEMORY, "not enough memory");
-}
 
 // --- Before --------------------------------------------------------------------------------------
 
@@ -62,6 +50,9 @@ static int choose_output(SweepRun *run)
 static int count_cells(SweepRun *run)
 {
     const Options *options = run->options;
+    if (options->sweep_count > MOST_SWEEPS) {
+        return complain(EXIT_USAGE, "more than %d sweeps", MOST_SWEEPS);
+    }
     run->count = 1;
     for (size_t i = 0; i < options->sweep_count; ++i) {
         const Sweep *sweep = &options->sweeps[i];
@@ -79,7 +70,7 @@ static int count_cells(SweepRun *run)
     for (size_t i = 0; run->cells && i < run->count; ++i) {
         run->cells[i] = (SheetCell){NULL, "not rendered"};
     }
-    return run->cells ? EXIT_OK : no_memory();
+    return run->cells ? EXIT_OK : complain_no_memory();
 }
 
 // --- One picture ---------------------------------------------------------------------------------
@@ -141,12 +132,9 @@ static void say_failed(const SweepRun *run, size_t cell)
 static int make_cell(SweepRun *run, size_t cell)
 {
     const Options *options = run->options;
-    ParamSetting settings[64];
+    ParamSetting settings[MOST_SWEEPS];
     char stem[STEM_SIZE];
     bool no_such_param = false;
-    if (options->sweep_count > sizeof settings / sizeof settings[0]) {
-        return complain(EXIT_USAGE, "more than %zu sweeps", sizeof settings / sizeof settings[0]);
-    }
     for (size_t i = 0; i < options->sweep_count; ++i) {
         const Sweep *sweep = &options->sweeps[i];
         settings[i] =
@@ -163,7 +151,7 @@ static int make_cell(SweepRun *run, size_t cell)
     if (code == EXIT_OK) {
         const char *name = series_path(&run->series, stem, "png");
         run->cells[cell].picture = name;
-        return name ? EXIT_OK : no_memory();
+        return name ? EXIT_OK : complain_no_memory();
     }
     if (code != EXIT_DIAGNOSTICS || no_such_param) {
         return code;
@@ -208,7 +196,7 @@ static int write_sheet(SweepRun *run)
                          .cell_count = run->count};
     char message[1024];
     if (!sheet.title) {
-        return no_memory();
+        return complain_no_memory();
     }
     const int code = sheet_write(&sheet, run->output, message, sizeof message);
     return code == EXIT_OK ? EXIT_OK : complain(code, "%s", message);
@@ -217,13 +205,13 @@ static int write_sheet(SweepRun *run)
 static int make_cells(SweepRun *run)
 {
     int code = EXIT_OK;
-    run->sheet_at = now() + SHEET_SECONDS;
+    run->sheet_at = clock_seconds() + SHEET_SECONDS;
     for (size_t cell = 0; code == EXIT_OK && cell < run->count; ++cell) {
         code = make_cell(run, cell);
-        if (code == EXIT_OK && now() >= run->sheet_at && any_picture(run) &&
+        if (code == EXIT_OK && clock_seconds() >= run->sheet_at && any_picture(run) &&
             cell + 1 < run->count) {
             code = write_sheet(run);
-            run->sheet_at = now() + SHEET_SECONDS;
+            run->sheet_at = clock_seconds() + SHEET_SECONDS;
         }
     }
     return code;
