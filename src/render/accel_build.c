@@ -285,22 +285,29 @@ static bool attach_groups(Build *b)
 #define QUICK_RAYS  4
 #define QUICK_LEAST 10000 // primitives; below it no one waits
 
+static uint64_t piece_count(const AccelGroup *group)
+{
+    uint64_t count = (uint64_t)group->quad_count + group->triangle_count + group->mesh_triangles +
+                     group->pocket_count + group->instance_count;
+    for (uint32_t k = 0; k < group->geometry_count; ++k) {
+        count += group->geometries[k]->count;
+    }
+    return count;
+}
+
 // Of curved shapes, which are met in double precision in any hierarchy alike. The picture that the
 // scene itself asks for decides, not the options of this run: what is rendered piece by piece, or
 // goes on, has one hierarchy.
 static bool is_quick(const AccelGroup *group)
 {
-    double count = (double)group->pocket_count + group->instance_count;
-    for (uint32_t k = 0; k < group->geometry_count; ++k) {
-        count += group->geometries[k]->count;
-    }
+    const uint64_t count = piece_count(group);
     if (count < QUICK_LEAST) {
         return false;
     }
     const FilmParams film = scene_film(group->accel->scene);
     const RenderParams render = scene_render(group->accel->scene);
     const double rays = 2.0 * (double)film.width * (double)film.height * (double)render.samples;
-    return rays < QUICK_RAYS * count;
+    return rays < QUICK_RAYS * (double)count;
 }
 
 static bool group_build(RTCDevice device, AccelGroup *group, AccelIssues *issues)
@@ -351,12 +358,7 @@ static unsigned build_threads(const Accel *accel, unsigned wanted)
     enum { WORTH_THREADS = 10000 };
     uint64_t pieces = 0;
     for (uint32_t i = 0; i < accel->group_count; ++i) {
-        const AccelGroup *group = &accel->groups[i];
-        pieces += (uint64_t)group->quad_count + group->triangle_count + group->mesh_triangles +
-                  group->pocket_count + group->instance_count;
-        for (uint32_t k = 0; k < group->geometry_count; ++k) {
-            pieces += group->geometries[k]->count;
-        }
+        pieces += piece_count(&accel->groups[i]);
     }
     return wanted > 1 && pieces >= WORTH_THREADS && thread_can_start(wanted) ? wanted : 1;
 }

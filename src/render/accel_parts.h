@@ -147,8 +147,8 @@ struct AccelGroup {
     void *hierarchy;      // RTCScene; NULL: the group has nothing for it
     // Its pieces in the accelerator's table: those that are swept, then quads, then triangles.
     uint32_t first_flat, sweep_count, quad_count, triangle_count;
-    SweepBlock *sweep;  // within sweep_memory
-    void *sweep_memory; //
+    SweepBlock *sweep; // within sweep_memory
+    void *sweep_memory;
     SweepKernel *kernel;
     uint32_t first_mesh, mesh_triangles; // the numbers of its other meshes' triangles
     AccelKind *kinds;

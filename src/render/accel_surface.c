@@ -243,14 +243,16 @@ static bool shading_is_bent(const ShapePoint *point)
 
 // How rays start that leave the surface. `normal` is that of Embree's flat piece, in its group's
 // space.
-static void set_leaving(const Hit *hit, bool swept, Vec3 normal, Surface *out)
+static inline void set_leaving(const Hit *hit, bool swept, Vec3 normal, Surface *out)
 {
     out->flat = hit->flat;
     out->near_edge = !hit->inside;
     out->lifts = hit->flat && !swept;
-    out->own_normal[0] = (float)normal.x;
-    out->own_normal[1] = (float)normal.y;
-    out->own_normal[2] = (float)normal.z;
+    if (out->lifts) {
+        out->own_normal[0] = (float)normal.x;
+        out->own_normal[1] = (float)normal.y;
+        out->own_normal[2] = (float)normal.z;
+    }
 }
 
 // What is known of a hit on a piece of the table in the world. No copies through memory.
@@ -269,12 +271,7 @@ static void fill_plain_flat(const AccelFlat *flat, const Ray *ray, const Hit *hi
     out->lamp = flat->lamp;
     out->bent = false;
     out->whole = false;
-    out->flat = hit->flat;
-    out->near_edge = !hit->inside;
-    out->lifts = !flat->swept;
-    if (!flat->swept) {
-        set_leaving(hit, false, n, out);
-    }
+    set_leaving(hit, flat->swept, n, out);
 }
 
 static void fill_surface(const Accel *accel, const Ray *ray, const Hit *hit, bool whole,

@@ -262,7 +262,9 @@ static void add_scattered(Tree *tree, const Branch *from, const ShadingPoint *po
         (s.lobes & (LOBE_DELTA | LOBE_PASS)) || rgb_is_black(s.weight)) {
         return;
     }
-    Scattered scattered = {*from, surface_receiver(point), s.pdf, one_of_many};
+    Scattered scattered = {*from,
+                           surface_receiver(point, surface_lobes(tree->world, point->surface)),
+                           s.pdf, one_of_many};
     Branch *branch = &scattered.branch;
     branch->ray = surface_spawn(point->surface, normalize(from_local(&point->frame, s.wi)));
     branch->throughput = rgb_mul(from->throughput, s.weight);
@@ -290,7 +292,8 @@ static void add_direct(Tree *tree, const Branch *branch, const ShadingPoint *poi
     if (one_of_many) {
         float chance;
         double number = sampler_1d_fine(tree->sampler);
-        LightReceiver receiver = surface_receiver(point);
+        LightReceiver receiver =
+            surface_receiver(point, surface_lobes(tree->world, point->surface));
         uint32_t index = light_choose(lights, &receiver, number, &chance);
         if (index != NONE_ID && has_size(light_set_get(lights, index))) {
             add_light(tree, branch, point, light_set_get(lights, index), chance);

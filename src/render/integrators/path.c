@@ -372,10 +372,7 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         const uint32_t first = dimension + (uint32_t)i * DIMENSIONS_PER_SURFACE;
         SurfaceNumbers n;
         sampler_eight(path->sampler, first, n.all);
-        LightReceiver receiver = {.p = surface.p};
-        if (!(material->lobes & LOBE_TRANSMIT)) {
-            receiver.normal = point.wo_side > 0 ? surface.geometric : neg(surface.geometric);
-        }
+        const LightReceiver receiver = surface_receiver(&point, material->lobes);
         const GuideCell *cell = world->guide && guide_serves(material->lobes)
                                     ? guide_find(world->guide, surface.p)
                                     : NULL;

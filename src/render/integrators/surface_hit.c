@@ -49,16 +49,6 @@ uint32_t surface_lobes(const World *world, const Surface *surface)
     return world_material(world, surface->material)->lobes;
 }
 
-LightReceiver surface_receiver(const ShadingPoint *point)
-{
-    const Surface *surface = point->surface;
-    LightReceiver receiver = {.p = surface->p};
-    if (!(surface_lobes(point->world, surface) & LOBE_TRANSMIT)) {
-        receiver.normal = point->wo_side > 0 ? surface->geometric : neg(surface->geometric);
-    }
-    return receiver;
-}
-
 Rgb surface_light_passed(const ShadingPoint *point, const MediumStack *media, Vec3 wi,
                          const Ray *shadow)
 {

@@ -26,8 +26,16 @@ void aov_fill(const Hit *hit, const ShadingPoint *point, AovSample *aov);
 // The lobes of a surface's material.
 uint32_t surface_lobes(const World *world, const Surface *surface);
 // Where light for the point is looked for: a material that lets nothing through is lit from the
-// viewer's side only.
-LightReceiver surface_receiver(const ShadingPoint *point);
+// viewer's side only. `lobes` are the material's.
+static inline LightReceiver surface_receiver(const ShadingPoint *point, uint32_t lobes)
+{
+    const Surface *surface = point->surface;
+    LightReceiver receiver = {.p = surface->p};
+    if (!(lobes & LOBE_TRANSMIT)) {
+        receiver.normal = point->wo_side > 0 ? surface->geometric : neg(surface->geometric);
+    }
+    return receiver;
+}
 // The part of light that arrives along the shadow ray to a light in direction wi (of the frame),
 // through what the ray to the point was in, or what it is in beyond the surface.
 Rgb surface_light_passed(const ShadingPoint *point, const MediumStack *media, Vec3 wi,

@@ -78,8 +78,8 @@ typedef struct AreaData {
     Rgb radiance;      // of an area_light, before the texture
     uint32_t texture;
     bool two_sided;
-    bool is_even;    // emits everywhere the same radiance:
-    Rgb even;        //
+    bool is_even; // emits everywhere the same radiance, `even`
+    Rgb even;
     uint32_t target; // see LightSample
     bool front_only; // flat, and dark behind the plane of `point` and `normal`
     Vec3 point, normal;
