@@ -252,8 +252,10 @@ static void add_transform_text(Eval *ev, TextBuffer *out, const Affine *map)
 
 void text_add_value(Eval *ev, TextBuffer *out, Value v, bool quoted)
 {
+    if (!out->text) {
+        text_add(ev, out, "%s", ""); // a text all the same where a limit ends it at once
+    }
     if (!count_step(ev, out->at)) {
-        text_add(ev, out, "%s", ""); // a text all the same
         return;
     }
     if (stack_is_deep(ev)) {

@@ -32,7 +32,7 @@ const char *short_value(Eval *ev, Value v)
         text_add_value(ev, &text, v, true);
     }
     if (text.length <= LONGEST_TEXT) {
-        return text.text ? text.text : ""; // a limit was reached before any of it
+        return text.text;
     }
     size_t end = LONGEST_TEXT;
     while (((unsigned char)text.text[end] & 0xc0) == 0x80) {
