@@ -116,7 +116,7 @@ static const char *read_format(const char *name, const unsigned char *bytes, siz
 // --- The modules ---------------------------------------------------------------------------------
 
 static const void *module_functions(const char *name, const char *library, const char *symbol,
-                                    char *message, size_t message_size)
+                                    uint32_t wanted, char *message, size_t message_size)
 {
     char why[512];
     void *module = module_open(name, why, sizeof why);
@@ -129,7 +129,6 @@ static const void *module_functions(const char *name, const char *library, const
     if (table) {
         memcpy(&version, table, sizeof version);
     }
-    uint32_t wanted = strcmp(name, "scn_png") == 0 ? PNG_MODULE_VERSION : OIIO_MODULE_VERSION;
     if (version != wanted) {
         snprintf(message, message_size, "the module %s belongs to another version of scnrender",
                  name);
@@ -149,12 +148,14 @@ static const OiioFunctions *oiio_functions(char *message, size_t message_size)
         return NULL;
     }
     atomic_store(&loaded, true);
-    return module_functions("scn_oiio", "OpenImageIO", "scn_oiio_functions", message, message_size);
+    return module_functions("scn_oiio", "OpenImageIO", "scn_oiio_functions", OIIO_MODULE_VERSION,
+                            message, message_size);
 }
 
 static const PngFunctions *png_functions(char *message, size_t message_size)
 {
-    return module_functions("scn_png", "libpng", "scn_png_functions", message, message_size);
+    return module_functions("scn_png", "libpng", "scn_png_functions", PNG_MODULE_VERSION, message,
+                            message_size);
 }
 
 static bool is_png(const char *format)

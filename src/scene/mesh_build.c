@@ -209,8 +209,7 @@ uint32_t mesh_mend_attributes(Mesh *mesh)
     return mended + (mesh->normals ? mend_normals(mesh) : 0);
 }
 
-// --- Copies
-// ----------------------------------------------------------------------------------------
+// --- Copies --------------------------------------------------------------------------------------
 
 // A copy in `arena`, or NULL where there is nothing to copy; clears *good when memory runs out.
 static void *copied(Arena *arena, const void *array, size_t count, size_t size, bool *good)

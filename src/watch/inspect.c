@@ -132,7 +132,7 @@ typedef struct LightEffect {
 // Effectiveness of Quasirandom Sequences", R3.
 static Vec3 even_point(uint32_t k)
 {
-    const double g = 1.22074408460475947536;
+    const double g = 1.22074408460575947536;
     double x = 0.5 + k / g, y = 0.5 + k / (g * g), z = 0.5 + k / (g * g * g);
     return vec3(x - floor(x), y - floor(y), z - floor(z));
 }
