@@ -22,7 +22,7 @@ for name in $(sed '/^## Integrators/,$d' manual | sed -n 's/^### `\([a-z_]*\)`$/
     expect_code 0
     expect_text out "$name: a"
 done
-# Both where a kind and a function share a name; the nearest where there is none.
+# Quantities.
 run explain pi
 expect_text out "pi = 3.14159265358979"
 run explain time
@@ -30,6 +30,7 @@ expect_text out "time: a time"
 expect_text out "--frames"
 run explain
 expect_text out "Quantities: pi tau frame time"
+# Both where a kind and a function share a name; the nearest where there is none.
 run explain phong
 expect_text out "phong: a material"
 expect_text out "phong(n, v, l, e, k)"

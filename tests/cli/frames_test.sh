@@ -39,23 +39,16 @@ run clock.scn --frames 123456 --fps 29.97 -o b.jpg
 names b 123456.jpg
 
 # Resuming.
-again() { # again RENDERED ARGUMENTS…
-    rendered=$1
-    shift
-    run clock.scn "$@"
-    expect_code 0
-    expect_text err " $rendered of them rendered now"
-}
-again 0 --frames 0..2
-again 2 --frames 0..4
-again 2 --frames 3..4 --again
-again 1 --frames 3 --fps 25
+again 0 clock.scn --frames 0..2
+again 2 clock.scn --frames 0..4
+again 2 clock.scn --frames 3..4 --again
+again 1 clock.scn --frames 3 --fps 25
 rm clock.frames/0001.png
-again 1 --frames 0..2
-again 3 --frames 0..2 --set shade=0.4
+again 1 clock.scn --frames 0..2
+again 3 clock.scn --frames 0..2 --set shade=0.4
 sed -i 's/radiance: 1/radiance: 2/' clock.scn
-again 3 --frames 0..2 --set shade=0.4
-again 0 --frames 0..2 --set shade=0.4 --threads 1
+again 3 clock.scn --frames 0..2 --set shade=0.4
+again 0 clock.scn --frames 0..2 --set shade=0.4 --threads 1
 run ball.scn --frames 0..2
 expect_text err 'neither `frame` nor `time`'
 run ball.scn --frames 0 --again
@@ -71,21 +64,14 @@ run warned.scn --frames 0..2
 [ "$(grep -c '^warning' err)" = 1 ] || fail "$last: $(grep -c '^warning' err) warnings"
 
 # Wrong use.
-refuse() { # refuse TEXT ARGUMENTS…
-    text=$1
-    shift
-    run clock.scn "$@"
-    expect_code 2
-    expect_text err "$text"
-}
-refuse "first and the last frame" --frames 2..1
-refuse "first and the last frame" --frames 1..2:0
-refuse "first and the last frame" --frames a..b
-refuse "at most 1000000 frames" --frames 0..1000000
-refuse "frames a second" --frames 1..2 --fps 0
-refuse "wants \`--frames" --fps 3
-refuse "neither of a picture's type" --frames 1..2 -o film.txt
-refuse "for one picture" --frames 1..2 --sample-range 0..63 --checkpoint p
+refuse "first and the last frame" clock.scn --frames 2..1
+refuse "first and the last frame" clock.scn --frames 1..2:0
+refuse "first and the last frame" clock.scn --frames a..b
+refuse "at most 1000000 frames" clock.scn --frames 0..1000000
+refuse "frames a second" clock.scn --frames 1..2 --fps 0
+refuse "wants \`--frames" clock.scn --fps 3
+refuse "neither of a picture's type" clock.scn --frames 1..2 -o film.txt
+refuse "for one picture" clock.scn --frames 1..2 --sample-range 0..63 --checkpoint p
 
 # Films, through ffmpeg.
 empty=$work/empty

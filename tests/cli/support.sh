@@ -66,6 +66,24 @@ interrupt() {
     [ -s "$2" ] || fail "$last: no $2"
 }
 
+# again RENDERED ARGUMENTS…: a series of pictures, of which so many are rendered in this run.
+again() {
+    rendered=$1
+    shift
+    run "$@"
+    expect_code 0
+    expect_text err " $rendered of them rendered now"
+}
+
+# refuse TEXT ARGUMENTS…: wrong use.
+refuse() {
+    text=$1
+    shift
+    run "$@"
+    expect_code 2
+    expect_text err "$text"
+}
+
 # Nothing is left beside the pictures.
 expect_no_leftovers() {
     left=$(find . -name '*.tmp')

@@ -47,13 +47,6 @@ run shelf.scn --set alpha=0.5 --set size=0.55m -o one.png
 cmp -s one.png "shelf.sweep/alpha=0.5,size=0.55m.png" || fail "--sweep and --set differ in the PNG"
 
 # What is there is left: all of it, or all but what is new, was touched, or was made of other files.
-again() { # again RENDERED ARGUMENTS…
-    rendered=$1
-    shift
-    run "$@"
-    expect_code 0
-    expect_text err " $rendered of them rendered now"
-}
 again 0 shelf.scn --sweep alpha=0.25,0.5 --sweep size=10cm..1m:3
 again 2 shelf.scn --sweep alpha=0.25,0.5 --sweep size=0.1m,0.55m,70cm
 echo spoilt >"shelf.sweep/alpha=0.5,size=70cm.png"
@@ -90,29 +83,24 @@ run shelf.scn --sweep alhpa=1,2
 expect_code 1
 expect_text err 'did you mean `alpha`?'
 [ "$(grep -c '^error' err)" = 1 ] || fail "$last: told more than once"
-refuse() { # refuse TEXT ARGUMENTS…
-    text=$1
-    shift
-    run shelf.scn "$@"
-    expect_code 2
-    expect_text err "$text"
-}
-refuse "doesn't say how many" --sweep alpha=0.1..0.5
-refuse "one end is length, the other angle" --sweep size=1m..20deg:3
-refuse 'no unit `foo`' --sweep size=1foo..2foo:3
-refuse "2 to 10000 values" --sweep alpha=0..1:1
-refuse "2 to 10000 values" --sweep alpha=0..1:x
-refuse "a value is missing" --sweep alpha=1,,2
-refuse "NAME=VALUE" --sweep alpha
-refuse "swept twice" --sweep alpha=1 --sweep alpha=2
-refuse "both set and swept" --sweep alpha=1 --set alpha=2
-refuse "more than 10000" --sweep alpha=0..1:200 --sweep size=1..2:200
-refuse "for display" --sweep alpha=1 -o sheet.exr
-refuse "not of a type" --sweep alpha=1 -o sheet.txt
-refuse 'either `--frames` or' --sweep alpha=1 --frames 0..3
-refuse "for one picture" --sweep alpha=1 --checkpoint c
-refuse "for one picture" --sweep alpha=1 --dump scene
-refuse "wants \`--frames\`" --again
+refuse "doesn't say how many" shelf.scn --sweep alpha=0.1..0.5
+refuse "one end is length, the other angle" shelf.scn --sweep size=1m..20deg:3
+refuse 'no unit `foo`' shelf.scn --sweep size=1foo..2foo:3
+refuse "2 to 10000 values" shelf.scn --sweep alpha=0..1:1
+refuse "2 to 10000 values" shelf.scn --sweep alpha=0..1:x
+refuse "a value is missing" shelf.scn --sweep alpha=1,,2
+refuse "NAME=VALUE" shelf.scn --sweep alpha
+refuse "swept twice" shelf.scn --sweep alpha=1 --sweep alpha=2
+refuse "both set and swept" shelf.scn --sweep alpha=1 --set alpha=2
+refuse "more than 10000" shelf.scn --sweep alpha=0..1:200 --sweep size=1..2:200
+refuse "more than 64 sweeps" shelf.scn -o none.png $(seq 65 | sed 's/.*/--sweep p&=1/')
+[ ! -e none ] || fail "$last: it made a folder"
+refuse "for display" shelf.scn --sweep alpha=1 -o sheet.exr
+refuse "not of a type" shelf.scn --sweep alpha=1 -o sheet.txt
+refuse 'either `--frames` or' shelf.scn --sweep alpha=1 --frames 0..3
+refuse "for one picture" shelf.scn --sweep alpha=1 --checkpoint c
+refuse "for one picture" shelf.scn --sweep alpha=1 --dump scene
+refuse "wants \`--frames\`" shelf.scn --again
 run - --sweep alpha=1 -o s.png
 expect_code 2
 expect_text err "a file"

@@ -20,7 +20,7 @@
 //     out/secret.*      what it may not read; in-not/ is another folder beside in/
 //     in/links…         lead out
 // In a name, %B is the absolute path of FOLDER, %X the extension, %P that path without its first
-// "/", %E that path with its slashes encoded.
+// "/", %N FOLDER's own name.
 static const char *const names[] = {
     // Upwards.
     "../out/secret.%X",
@@ -303,7 +303,8 @@ static void make_links(const char *extension)
     link_in("absolute_link", extension, target);
     snprintf(target, sizeof target, "link.%s", extension);
     link_in("link_to_link", extension, target);
-    link_in("sub/deep_link", extension, "../../out/secret.scn");
+    snprintf(target, sizeof target, "../../out/secret.%s", extension);
+    link_in("sub/deep_link", extension, target);
     snprintf(target, sizeof target, "../link.%s", extension);
     link_in("sub/link", extension, target);
     snprintf(target, sizeof target, "../in/../out/secret.%s", extension);

@@ -54,7 +54,6 @@ enum { VALUES = sizeof values / sizeof values[0] };
 static const char *const functions[] = {
 #define BUILTIN(name, least, most, signature, doc) #name,
 #include "lang/builtins.def"
-#undef BUILTIN
 };
 enum { FUNCTIONS = sizeof functions / sizeof functions[0] };
 
@@ -131,7 +130,7 @@ static void begin_scene(void)
     }
 }
 
-// Each statement stands in a block of its own, so that names may be the same.
+// A statement, or more of one.
 __attribute__((format(printf, 1, 2))) static void state(const char *format, ...)
 {
     va_list arguments;

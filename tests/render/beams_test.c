@@ -201,9 +201,6 @@ static void glowing_crowd(void)
             {"v", {0.5 * n[6], 0.5 * n[7], 0.5 * n[8]}}, {"material", {glow}});
     }
     const Vec3 at = vec3(0.1, 0, 0.2);
-    static const Way MIS = {"mis", &path_integrator, SAMPLING_MIS, false};
-    static const Way LIGHT = {"light", &path_integrator, SAMPLING_LIGHT, false};
-    static const Way BSDF = {"bsdf", &path_integrator, SAMPLING_BSDF, false};
     static Rivals rivals;
     rivals = (Rivals){.world = build(&lab, 1),
                       .ray = meter,

@@ -370,8 +370,6 @@ static World *make_world(SceneMaker *maker, const Material *material, const Ligh
     return world;
 }
 
-static const Way MIS = {"mis", &path_integrator, SAMPLING_MIS, false};
-
 static void try_pair(const Material *material, const LightKind *light, uint32_t samples,
                      double wanted)
 {

@@ -269,9 +269,6 @@ static void strategies_agree(void)
     PUT(&lab.maker, "sphere", {"center", {0.3, -0.2, 0}}, {"radius", {0.5}}, {"material", {white}});
     PUT(&lab.maker, "sphere", {"center", {0, 1.2, 0.3}}, {"radius", {0.7}}, {"material", {lit}});
     Ray ray = ray_make(vec3(1, 1, 5), normalize(vec3(-0.2, -0.21, -1)), 0, INFINITY);
-    static const Way MIS = {"mis", &path_integrator, SAMPLING_MIS, false};
-    static const Way LIGHT = {"light", &path_integrator, SAMPLING_LIGHT, false};
-    static const Way BSDF = {"bsdf", &path_integrator, SAMPLING_BSDF, false};
     static Rivals rivals;
     rivals = (Rivals){.world = build(&lab, 4),
                       .ray = single_ray,

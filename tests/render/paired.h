@@ -17,6 +17,11 @@ typedef struct Way {
     bool roulette;
 } Way;
 
+// Of the path tracer.
+static const Way MIS = {"mis", &path_integrator, SAMPLING_MIS, false};
+static const Way LIGHT = {"light", &path_integrator, SAMPLING_LIGHT, false};
+static const Way BSDF = {"bsdf", &path_integrator, SAMPLING_BSDF, false};
+
 enum { MOST_DOUBLINGS = 26, TRIAL = 0, FINAL = 1 };
 
 typedef struct Rivals {

@@ -315,9 +315,6 @@ static void sampling_strategies(void)
     uint32_t sky = PUT(m, "checker", {"a", {1.5}}, {"b", {0.5}}, {"scale", {6, 3, 0}});
     PUT(m, "environment_light", {"radiance", {sky}, .texture = true});
     Ray ray = {.origin = {0, 0, 6}, .direction = {-0.1, -1.9, -5}};
-    static const Way MIS = {"mis", &path_integrator, SAMPLING_MIS, false};
-    static const Way LIGHT = {"light", &path_integrator, SAMPLING_LIGHT, false};
-    static const Way BSDF = {"bsdf", &path_integrator, SAMPLING_BSDF, false};
     static const Way ROULETTE = {"roulette", &path_integrator, SAMPLING_MIS, true};
     static Rivals rivals;
     rivals = (Rivals){.world = build(&lab, 3),

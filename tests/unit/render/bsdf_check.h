@@ -354,6 +354,7 @@ static inline double chi2_p_value(const Chi2 *chi2, int *freedom)
                pooled_expected;
         ++degrees;
     } else if (pooled_observed > pooled_expected + 5 * sqrt(pooled_expected) + 5) {
+        *freedom = degrees;
         return 0; // samples where the density is zero
     }
     *freedom = degrees;
