@@ -49,6 +49,13 @@ uint32_t scene_find_camera(const Scene *scene, Str name);
 // bottom right one (places outside are fine), with lens numbers (lens_u, lens_v) in [0, 1)².
 // direction is of unit length; false where the projection has no ray.
 bool camera_ray(const Camera *camera, double x, double y, float lens_u, float lens_v, Ray *ray);
+// Part of the film, in the same measure.
+typedef struct FilmBox {
+    double x0, y0, x1, y1;
+} FilmBox;
+// Where on the film all of a box in the world is seen, by way of the whole lens. False where that
+// can't be told: it reaches behind the camera, or the projection isn't flat.
+bool camera_film_box(const Camera *camera, Box3 bounds, FilmBox *out);
 // How deep a point of the world lies: along the camera's axis, or (fisheye, panorama) from the
 // camera; in metres of the world.
 double camera_depth(const Camera *camera, Vec3 p);

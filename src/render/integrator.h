@@ -26,6 +26,11 @@ typedef struct IntegratorClass {
     // Incoming radiance along `ray` (W/m²/sr, linear Rec.709).  `aov` may be NULL. Thread-safe.
     Rgb (*radiance)(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
                     IntegratorStats *stats);
+    // The two parts of it, for pixels in which lamps' edges are seen (lamps.h): `lamps` is what
+    // lights emit along the ray themselves, `rest` all else. NULL: it isn't found in parts.
+    Rgb (*lamps)(const World *world, const Ray *ray, Sampler *sampler, IntegratorStats *stats);
+    Rgb (*rest)(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
+                IntegratorStats *stats);
     // Reports what the integrator leaves out of this world, before anything is rendered; NULL:
     // nothing.
     void (*check)(const World *world, DiagSink *sink);

@@ -25,26 +25,103 @@ typedef struct Site {
     size_t at;
 } Site;
 
+// The ray through a place in the pixel's filter, by numbers in [0, 1). False: the camera has none.
+static bool filter_ray(const Renderer *r, const Site *site, float u, float v, Sampler *sampler,
+                       Ray *ray)
+{
+    float lens_u, lens_v;
+    sampler_2d(sampler, &lens_u, &lens_v);
+    const double film_x = (site->x + 0.5 + filter_sample(&r->filter, u)) * r->pixel_width;
+    const double film_y = (site->y + 0.5 + filter_sample(&r->filter, v)) * r->pixel_height;
+    return camera_ray(&r->camera, film_x, film_y, lens_u, lens_v, ray);
+}
+
+static bool sample_ray(const Renderer *r, const Site *site, Sampler *sampler, Ray *ray)
+{
+    float u, v;
+    sampler_2d(sampler, &u, &v);
+    return filter_ray(r, site, u, v, sampler, ray);
+}
+
+// --- Edges of lamps (lamps.h) --------------------------------------------------------------------
+
+// Seeds as far from the samples' own as another picture's.
+enum { TRIAL_STREAM = 0x1b873593, LAMP_STREAM = 0x4cf5ad43 };
+
+static Rgb lamps_along(const Renderer *r, const Ray *ray, Sampler *sampler, IntegratorStats *stats)
+{
+    return checked(r->integrator->lamps(r->world, ray, sampler, stats), stats);
+}
+
+// Tries places about the pixel's rim and in its middle: where a lamp is wider than a pixel, its
+// edge doesn't pass between them.
+static bool edge_is_seen(const Renderer *r, const Site *site, IntegratorStats *stats)
+{
+    static const float places[] = {0.0001F, 0.333F, 0.667F, 0.9999F};
+    enum { SIDE = sizeof places / sizeof *places };
+    float least = INFINITY, most = 0;
+    for (uint32_t i = 0; i < SIDE * SIDE; ++i) {
+        Sampler sampler;
+        sampler_start(&sampler, r->seed ^ TRIAL_STREAM, site->x, site->y, i);
+        Ray ray;
+        float seen = 0;
+        if (filter_ray(r, site, places[i % SIDE], places[i / SIDE], &sampler, &ray)) {
+            seen = luminance(lamps_along(r, &ray, &sampler, stats));
+        }
+        least = fminf(least, seen);
+        most = fmaxf(most, seen);
+    }
+    return most - least > 0.25F * most;
+}
+
+// The trials depend on the picture's seed and the pixel alone.
+static bool lamps_apart(const Renderer *r, const Site *site, IntegratorStats *stats)
+{
+    if (!r->lamp_marks) {
+        return false;
+    }
+    uint8_t *mark = &r->lamp_marks[site->at];
+    if (*mark == LAMP_MAYBE) {
+        *mark = edge_is_seen(r, site, stats) ? LAMP_EDGE : LAMP_NONE;
+    }
+    return *mark == LAMP_EDGE;
+}
+
+// The rays of all samples together are stratified over the pixel.
+static Rgb lamps_seen(const Renderer *r, const Site *site, uint32_t number, IntegratorStats *stats)
+{
+    Rgb sum = rgb_gray(0);
+    for (uint32_t i = 0; i < LAMP_RAYS; ++i) {
+        Sampler sampler;
+        sampler_start(&sampler, site->stream->seed ^ LAMP_STREAM, site->x, site->y,
+                      number * LAMP_RAYS + i);
+        Ray ray;
+        if (sample_ray(r, site, &sampler, &ray)) {
+            sum = rgb_add(sum, lamps_along(r, &ray, &sampler, stats));
+        }
+    }
+    return rgb_scale(sum, 1.0F / LAMP_RAYS);
+}
+
+// --- Samples -------------------------------------------------------------------------------------
+
 static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, AovSample *aov,
                        IntegratorStats *stats)
 {
-    const uint32_t x = site->x, y = site->y;
+    const bool apart = lamps_apart(r, site, stats);
+    const Rgb lamps = apart ? lamps_seen(r, site, number, stats) : rgb_gray(0);
     Sampler sampler;
-    sampler_start(&sampler, site->stream->seed, x, y, number);
-    float u, v, lens_u, lens_v;
-    sampler_2d(&sampler, &u, &v);
-    sampler_2d(&sampler, &lens_u, &lens_v);
-    const double film_x = (x + 0.5 + filter_sample(&r->filter, u)) * r->pixel_width;
-    const double film_y = (y + 0.5 + filter_sample(&r->filter, v)) * r->pixel_height;
+    sampler_start(&sampler, site->stream->seed, site->x, site->y, number);
     Ray ray;
-    if (!camera_ray(&r->camera, film_x, film_y, lens_u, lens_v, &ray)) {
-        return rgb_gray(0);
+    if (!sample_ray(r, site, &sampler, &ray)) {
+        return lamps;
     }
-    const Rgb radiance = r->integrator->radiance(r->world, &ray, &sampler, aov, stats);
+    const Rgb radiance = (apart ? r->integrator->rest
+                                : r->integrator->radiance)(r->world, &ray, &sampler, aov, stats);
     if (aov && aov->object != 0) {
         aov->depth = camera_depth(&r->camera, aov->position);
     }
-    return checked(radiance, stats);
+    return rgb_add(lamps, checked(radiance, stats));
 }
 
 // Adds samples [from, to) of this renderer to *sums; returns where it got before a stop.

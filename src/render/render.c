@@ -120,6 +120,12 @@ static bool prepare(Renderer *r, DiagSink *sink)
     filter_init(&r->filter, (FilterKind)r->film_params.filter, r->film_params.filter_width);
     r->pixel_width = 1 / (double)r->film.width;
     r->pixel_height = 1 / (double)r->film.height;
+    if (r->integrator->lamps &&
+        !lamp_marks(r->world, &r->camera, width, height, r->filter.width / 2, &r->lamp_marks)) {
+        diag_report(sink, E0001, (Span){0}, "not enough memory for a picture of %u x %u pixels",
+                    width, height);
+        return false;
+    }
     return true;
 }
 
@@ -160,6 +166,7 @@ void renderer_free(Renderer *r)
         tiles_free(&r->tiles);
         adaptive_free(&r->adaptive);
         film_free(&r->film);
+        mem_free(r->lamp_marks);
         mem_free(r);
     }
 }

@@ -6,6 +6,7 @@
 #include "render/adaptive.h"
 #include "render/camera.h"
 #include "render/filter.h"
+#include "render/lamps.h"
 #include "render/render.h"
 #include "render/tiles.h"
 #include "render/world.h"
@@ -20,6 +21,7 @@ struct Renderer {
     Camera camera;
     PixelFilter filter;
     double pixel_width, pixel_height; // of the film's sides
+    uint8_t *lamp_marks;              // LampMark, by pixel; a pixel's is its tile's to settle; NULL
     TileList tiles;
     Film film;
     const StopRule *rule;   // or NULL

@@ -122,6 +122,52 @@ bool camera_ray(const Camera *camera, double x, double y, float lens_u, float le
     return true;
 }
 
+// Where a point of the camera's own frame is seen; *blur: how far from there by way of the lens's
+// rim. Both as local_ray's right and top.
+static bool local_film_place(const CameraParams *params, Vec3 p, Vec2 *place, double *blur)
+{
+    const double depth = -p.z, focus = params->focus_distance;
+    if (!(depth > 0) || !vec3_is_finite(p)) {
+        return false;
+    }
+    // The inverse of through_lens: p = shift + (direction focus - shift) depth / focus.
+    if (params->projection == CAMERA_ORTHOGRAPHIC) {
+        *place = (Vec2){p.x, p.y};
+        *blur = params->aperture > 0 ? params->aperture * fabs(1 - depth / focus) : 0;
+    } else {
+        *place = (Vec2){p.x / depth, p.y / depth};
+        *blur = params->aperture > 0 ? params->aperture * fabs(1 / depth - 1 / focus) : 0;
+    }
+    return true;
+}
+
+bool camera_film_box(const Camera *camera, Box3 bounds, FilmBox *out)
+{
+    const CameraParams *params = &camera->params;
+    const bool flat =
+        params->projection == CAMERA_PERSPECTIVE || params->projection == CAMERA_ORTHOGRAPHIC;
+    Affine to_camera;
+    if (!flat || box3_is_empty(bounds) || !affine_inverse(&camera->to_world, &to_camera)) {
+        return false;
+    }
+    *out = (FilmBox){INFINITY, INFINITY, -INFINITY, -INFINITY};
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 p =
+            vec3(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                 corner & 4 ? bounds.max.z : bounds.min.z);
+        Vec2 place;
+        double blur;
+        if (!local_film_place(params, transform_point(&to_camera, p), &place, &blur)) {
+            return false;
+        }
+        out->x0 = fmin(out->x0, ((place.x - blur) / camera->half_width + 1) / 2);
+        out->x1 = fmax(out->x1, ((place.x + blur) / camera->half_width + 1) / 2);
+        out->y0 = fmin(out->y0, (1 - (place.y + blur) / camera->half_height) / 2);
+        out->y1 = fmax(out->y1, (1 - (place.y - blur) / camera->half_height) / 2);
+    }
+    return true;
+}
+
 double camera_depth(const Camera *camera, Vec3 p)
 {
     const Affine *a = &camera->to_world;

@@ -14,8 +14,16 @@ enum { DIMENSIONS_PER_SURFACE = 8 };
 // which roulette would undo.
 enum { ROULETTE_START = 5 };
 
+// Which part of the radiance is to be found.
+typedef enum PathPart {
+    PART_ALL,
+    PART_LAMPS, // what lights emit along the camera's ray
+    PART_REST,  // all but that
+} PathPart;
+
 typedef struct Path {
     const World *world;
+    PathPart part;
     Sampler *sampler;
     IntegratorStats *stats;
     Rgb throughput; // of the path so far
@@ -81,9 +89,18 @@ static float hit_light_pdf(const Path *path, uint32_t index, Vec3 direction, con
     return chance * light->class->pdf(world, light, path->receiver.p, direction, hit);
 }
 
+// Whether emission that the present ray meets is another's to find.
+static inline bool found_apart(const Path *path)
+{
+    return path->part == PART_REST && path->depth == 0;
+}
+
 static void add_escaped(Path *path, Vec3 direction)
 {
     const World *world = path->world;
+    if (found_apart(path)) {
+        return;
+    }
     uint32_t count;
     const uint32_t *infinite = light_set_infinite(world->lights, &count);
     for (uint32_t i = 0; i < count; ++i) {
@@ -347,10 +364,10 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         if (material->whole) {
             accel_surface(world->accel, &ray, &hit, &surface);
         }
-        if (material->lobes & LOBE_EMIT || surface.lamp) {
+        if ((material->lobes & LOBE_EMIT || surface.lamp) && !found_apart(path)) {
             add_emitted(path, &ray, &hit, &surface);
         }
-        const bool last = path->depth >= world->bounces;
+        const bool last = path->depth >= world->bounces || path->part == PART_LAMPS;
         if (last && !(aov && i == 0)) {
             if (!pass_on(path, material, &surface, &ray)) {
                 return;
@@ -385,11 +402,12 @@ static void trace(Path *path, Ray ray, AovSample *aov)
     }
 }
 
-static Rgb radiance(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
-                    IntegratorStats *stats)
+static Rgb find(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
+                IntegratorStats *stats, PathPart part)
 {
     Path path;
     path.world = world;
+    path.part = part;
     path.sampler = sampler;
     path.stats = stats;
     path.throughput = rgb_gray(1);
@@ -407,6 +425,23 @@ static Rgb radiance(const World *world, const Ray *ray, Sampler *sampler, AovSam
         return rgb_gray(0);
     }
     return found;
+}
+
+static Rgb radiance(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
+                    IntegratorStats *stats)
+{
+    return find(world, ray, sampler, aov, stats, PART_ALL);
+}
+
+static Rgb lamps(const World *world, const Ray *ray, Sampler *sampler, IntegratorStats *stats)
+{
+    return find(world, ray, sampler, NULL, stats, PART_LAMPS);
+}
+
+static Rgb rest(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
+                IntegratorStats *stats)
+{
+    return find(world, ray, sampler, aov, stats, PART_REST);
 }
 
 const IntegratorClass path_integrator = {
@@ -428,4 +463,6 @@ const IntegratorClass path_integrator = {
         "box { min: (0.6, 0, -0.2), max: (1.2, 0.6, 0.4), material: phong { color: #3060a0, "
         "ambient: 0.15 } }",
     .radiance = radiance,
+    .lamps = lamps,
+    .rest = rest,
 };
