@@ -1,5 +1,6 @@
 #include "cli/load.h"
 
+#include "base/thread.h"
 #include "cli/told.h"
 #include "render/render.h"
 
@@ -112,6 +113,7 @@ int loading_begin(Loading *loading, const Options *options)
     loading->lang.limits = options->limits;
     loading->lang.settings = options->settings;
     loading->lang.setting_count = options->setting_count;
+    loading->lang.threads = options->threads ? options->threads : thread_processor_count();
     loading->lang.print_to = options->quiet ? NULL : stderr;
     loading->lang.sink.limit = options->limits.diagnostics < UINT32_MAX
                                    ? (uint32_t)options->limits.diagnostics

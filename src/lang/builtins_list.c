@@ -285,6 +285,7 @@ Value builtin_str(Call *call)
 
 Value builtin_print(Call *call)
 {
+    must_be_alone(call->ev);
     if (call->ev->early) { // what is printed can't be taken back
         call->ev->refused = true;
         stop_evaluation(call->ev, STOP_RUN);

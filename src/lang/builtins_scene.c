@@ -302,6 +302,7 @@ static BoundsResult add_bounds(Eval *ev, const NodeValue *node, const Affine *ou
     if (type->role != ROLE_PLAIN || type->category != CATEGORY_SHAPE) {
         return BOUNDS_GOOD; // lights and cameras take no room
     }
+    must_be_alone(ev); // a mesh lies in the scene
     Box3 own = type->bounds ? type->bounds(ev->scene, node->params) : box3_empty();
     bool finite = vec3_is_finite(own.min) && vec3_is_finite(own.max);
     if (!finite) {

@@ -2,7 +2,7 @@
 // scene's arrays, groups around them flattened on the way. Only where a group is wanted as a value
 // (in a let, as an argument) are the items collected first.
 #include "base/hash.h"
-#include "lang/eval.h"
+#include "lang/aside.h"
 
 #include <stdio.h>
 
@@ -67,6 +67,13 @@ uint32_t add_transform(Eval *ev, const Affine *transform, Span at)
                "flat, or too large or small");
         return NONE_ID;
     }
+    if (id == 0) {
+        return 0;
+    }
+    if (ev->aside && !slot->type) {
+        ev->first_transforms[ev->first_transform_count++] =
+            (FirstTransform){hash, (uint32_t)(slot - ev->consed_transforms), id};
+    }
     *slot = (ConsSlot){hash, id, 1};
     return id;
 }
@@ -120,6 +127,9 @@ static bool count_object(Eval *ev, Span at)
 
 static uint32_t add_name(Eval *ev, Str name)
 {
+    if (name.length) {
+        must_be_alone(ev);
+    }
     uint32_t id = scene_add_name(ev->scene, name);
     if (id == NONE_ID) {
         out_of_memory(ev);
@@ -174,6 +184,7 @@ static uint32_t add_light_shape(Eval *ev, const NodeValue *light)
 
 static void emit_light(Eval *ev, const NodeValue *node)
 {
+    must_be_alone(ev);
     uint32_t transform = emitted_transform(ev, node->transform, node->at);
     if (!count_object(ev, node->at) || transform == NONE_ID) {
         return;
@@ -199,6 +210,7 @@ static void emit_light(Eval *ev, const NodeValue *node)
 
 static void emit_camera(Eval *ev, const NodeValue *node)
 {
+    must_be_alone(ev);
     uint32_t transform = emitted_transform(ev, node->transform, node->at);
     if (transform != NONE_ID && count_object(ev, node->at)) {
         add_scene_node(ev, node, node->params,
@@ -211,6 +223,7 @@ static void emit_camera(Eval *ev, const NodeValue *node)
 
 static void emit_setting(Eval *ev, const NodeValue *node)
 {
+    must_be_alone(ev);
     const SceneNodeArray *settings = &ev->scene->nodes[CATEGORY_SETTING];
     for (size_t i = 0; i < settings->count; ++i) {
         if (settings->items[i].type == node->type) {
@@ -251,6 +264,7 @@ static const PrototypeRecord *prototype_of(Eval *ev, NodeValue *shape)
     if (shape->own) {
         return shape->own;
     }
+    must_be_alone(ev);
     PrototypeRecord *record = ARENA_NEW(&ev->regions[0], PrototypeRecord);
     Scene *scene = ev->scene;
     record->prototype = scene_add_prototype(scene, add_name(ev, shape->name), shape->at);
@@ -461,20 +475,79 @@ void emit_expression(Eval *ev, Env *env, AstId id)
     emit_value(ev, env, id, eval(ev, env, id));
 }
 
+typedef struct Loop {
+    Env *env;
+    AstId id;
+    Value sequence;
+    uint32_t next, unit; // the first iteration that wasn't done, and those of a unit
+} Loop;
+
+// False where the run is to stop.
+static bool run_iteration(Eval *ev, const Loop *loop, uint32_t i)
+{
+    Env *env = loop->env;
+    const AstNode *node = env_node(env, loop->id);
+    if (!count_step(ev, env_span(env, loop->id))) {
+        return false;
+    }
+    RegionMark region = region_enter(ev);
+    Env *frame = env_new(ev, env, env->module, node->aux);
+    frame->slots[0] = sequence_item(loop->sequence, i);
+    emit_expression(ev, frame, env_words(env, node->b)[3]);
+    region_leave(ev, region);
+    return true;
+}
+
+static uint32_t units_end(const Loop *loop, uint32_t units)
+{
+    const uint64_t end = loop->next + (uint64_t)units * loop->unit;
+    return end < loop->sequence.count ? (uint32_t)end : loop->sequence.count;
+}
+
+static bool run_loop_unit(Eval *ev, void *context, uint32_t unit, unsigned worker)
+{
+    (void)worker;
+    const Loop *loop = context;
+    const uint32_t end = units_end(loop, unit + 1);
+    for (uint32_t i = units_end(loop, unit); i < end && run_iteration(ev, loop, i); ++i) {
+    }
+    return true;
+}
+
+// Further iterations, beside one another, while that goes well; `steps` is what each took so far.
+static void run_beside(Eval *ev, Loop *loop, double steps)
+{
+    const double unit = ev->lang->aside_always ? 2 : ASIDE_UNIT_STEPS / steps;
+    loop->unit = unit < 1 ? 1 : (uint32_t)unit;
+    bool good = true;
+    while (good && loop->next < loop->sequence.count && !ev->stop) {
+        const uint32_t left = (loop->sequence.count - loop->next - 1) / loop->unit + 1;
+        uint32_t units = aside_units(ev);
+        units = left < units ? left : units;
+        const uint32_t done = units ? aside_run(ev, run_loop_unit, loop, units) : 0;
+        loop->next = units_end(loop, done);
+        good = units > 0 && done == units;
+    }
+}
+
 static void run_for(Eval *ev, Env *env, AstId id)
 {
-    const AstNode *node = env_node(env, id);
-    const uint32_t *words = env_words(env, node->b);
-    Value sequence = eval_sequence(ev, env, words[2]);
-    for (uint32_t i = 0; !is_error(sequence) && i < sequence.count; ++i) {
-        if (!count_step(ev, env_span(env, id))) {
-            return;
+    Loop loop = {.env = env, .id = id};
+    loop.sequence = eval_sequence(ev, env, env_words(env, env_node(env, id)->b)[2]);
+    if (is_error(loop.sequence)) {
+        return;
+    }
+    const uint64_t begun = ev->steps;
+    bool tried = false;
+    while (loop.next < loop.sequence.count && run_iteration(ev, &loop, loop.next)) {
+        ++loop.next;
+        // The first iterations gave what they all need its value.
+        const double steps = (double)(ev->steps - begun) / loop.next;
+        const double left = (double)(loop.sequence.count - loop.next) * steps;
+        if (!tried && loop.next >= 2 && left > (double)aside_least(ev) && aside_units(ev)) {
+            tried = true;
+            run_beside(ev, &loop, steps);
         }
-        RegionMark region = region_enter(ev);
-        Env *frame = env_new(ev, env, env->module, node->aux);
-        frame->slots[0] = sequence_item(sequence, i);
-        emit_expression(ev, frame, words[3]);
-        region_leave(ev, region);
     }
 }
 

@@ -66,6 +66,9 @@ Value force_slot(Eval *ev, Env *env, uint32_t slot, AstId item)
     if (place->type > VALUE_FORCING) {
         return *place;
     }
+    if (env->region <= ev->aside_region) {
+        must_be_alone(ev); // others may ask for it, too
+    }
     if (place->type == VALUE_FORCING) {
         return report_cycle(ev, env, item);
     }

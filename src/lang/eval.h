@@ -161,6 +161,12 @@ typedef struct NodeParts {
 } NodeParts;
 typedef ARRAY(NodeParts) NodePartsArray;
 
+// A transform that a unit put first into a slot of its table (aside.c).
+typedef struct FirstTransform {
+    uint64_t hash;
+    uint32_t slot, id;
+} FirstTransform;
+
 struct Eval {
     Lang *lang;
     Interner *names;
@@ -193,6 +199,13 @@ struct Eval {
     int texture_math;                             // type, or -1
     int group_type;                               // type of role GROUP, or -1
     Symbol symbol_items, symbol_of;
+    // See aside.h.
+    bool aside;              // a unit: others are evaluated beside it
+    uint32_t aside_region;   // frames up to this region aren't its own
+    uint32_t asides_refused; // times that units had to be evaluated anew
+    struct Asides *asides;
+    FirstTransform *first_transforms; // a unit's
+    uint32_t first_transform_count;
     jmp_buf on_oom;
 };
 
@@ -221,6 +234,15 @@ static inline const uint32_t *env_words(const Env *env, uint32_t at)
 
 // Leaves the run with E0001.
 _Noreturn void out_of_memory(Eval *ev);
+// Ends a unit before what can only be done in order.
+static inline void must_be_alone(Eval *ev)
+{
+    if (ev->aside) {
+        longjmp(ev->on_oom, 1);
+    }
+}
+// aside.c: gives the units' memory back.
+void asides_free(Eval *ev);
 // Reports with the chain of calls. Never NULL.
 Diag *report(Eval *ev, DiagCode code, Span at, const char *format, ...)
     __attribute__((format(printf, 4, 5)));

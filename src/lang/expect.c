@@ -396,6 +396,7 @@ static void keep_measure(Eval *ev, Env *env, AstId id, const Finding *finding)
 
 void run_expect(Eval *ev, Env *env, AstId id)
 {
+    must_be_alone(ev);
     if (!count_step(ev, env_span(env, id))) {
         return;
     }

@@ -6,6 +6,7 @@
 
 const char *keep_string(Eval *ev, Str text)
 {
+    must_be_alone(ev);
     Symbol symbol = intern(&ev->strings, text);
     if (!symbol) {
         out_of_memory(ev);
@@ -280,6 +281,7 @@ static bool take_file(Eval *ev, const Param *param, Value v, Where where, const 
     if (v.type != VALUE_STRING) {
         return wrong_type(ev, param, v, where);
     }
+    must_be_alone(ev);
     const Module *origin = ev->modules.items[v.small];
     const char *from = source_get(&ev->lang->sources, origin->file)->real;
     const char *path;

@@ -169,6 +169,7 @@ bool fill_list(Eval *ev, const Param *param, void *out, Value v, Where where)
     if (v.type != VALUE_LIST && v.type != VALUE_RANGE) {
         return wrong_type(ev, param, v, where);
     }
+    must_be_alone(ev); // it goes into the scene's arena
     if (!count_values(ev, v.count, where_span(where))) {
         return false;
     }

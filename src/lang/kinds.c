@@ -234,6 +234,7 @@ const char *kind_defaults(Eval *ev, uint32_t type)
     if (kind->defaults || kind->making) {
         return kind->defaults;
     }
+    must_be_alone(ev);
     kind->making = true; // and for good, if this fails: it is reported once
     uint32_t region = ev->region;
     CallFrame *calls = ev->calls;

@@ -131,6 +131,7 @@ Eval *eval_new(Lang *lang, Scene *scene, uintptr_t floor)
 void eval_free(Eval *ev)
 {
     ev->scene->arena.on_oom = NULL;
+    asides_free(ev);
     interner_free(&ev->strings);
     modules_free(ev);
     array_free(&ev->stack);

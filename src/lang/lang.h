@@ -98,6 +98,8 @@ typedef struct Lang {
                             // NULL: never
     bool whole; // nothing is evaluated before all of the file was read: for tests, since this only
                 // costs time and memory
+    unsigned threads;       // that evaluate; 0 and 1: one. More make no difference but to time
+    bool aside_always;      // more threads are used wherever they can be, for tests
     size_t stack;           // bytes of its stack that evaluation may use, for tests; 0: nearly all
     Observations *observed; // where values are kept; NULL: nowhere. The texts are the arena's.
     ARRAY(FileBytes) files; // the texts of the sources

@@ -80,6 +80,9 @@ static bool finish_node(Eval *ev, NodeValue *node, Module *module, uint32_t list
     if (!type->finish) {
         return true;
     }
+    if (type->category != CATEGORY_SHAPE) { // lights look at their shapes in the scene
+        must_be_alone(ev);
+    }
     if (keep_raw) {
         node->params = arena_alloc(ev->arena, type->size);
         memcpy(node->params, node->raw, type->size);
@@ -356,6 +359,7 @@ uint32_t node_scene_id(Eval *ev, NodeValue *node)
     if (node->scene_id != NONE_ID) {
         return node->scene_id;
     }
+    must_be_alone(ev);
     Scene *scene = ev->scene;
     const NodeType *type = ev->kinds[node->type].type;
     uint64_t hash = XXH3_64bits_withSeed(node->params, type->size, node->type);

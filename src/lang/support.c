@@ -38,6 +38,7 @@ enum { STEPS_A_REPORT = 32 };
 
 Diag *report(Eval *ev, DiagCode code, Span at, const char *format, ...)
 {
+    must_be_alone(ev);
     char text[1024];
     va_list arguments;
     va_start(arguments, format);

@@ -10,8 +10,8 @@
 //     whose
 //                              last byte matters, the file PROGRAM.txt beside
 //
-// Each is run twice, once as a whole and once with statements evaluated as they are read, which
-// must make no difference to any of these nor to the scene.
+// Each is run as a whole and with statements evaluated as they are read, and both on one thread and
+// on three, which must make no difference to any of these nor to the scene.
 //
 // usage: run [--update | --stops N] FILE|FOLDER…
 // Files in folders called lib are not programs but imported. --update writes the diagnostics into
@@ -204,7 +204,7 @@ static void free_outcome(Outcome *outcome)
 
 // How a run is made, and where it ends halfway.
 typedef struct Way {
-    bool whole, watched;
+    bool whole, watched, beside;
     uint64_t allocations; // that succeed
     size_t stack;         // Lang.stack
     size_t limit;         // 1 + the offset in Limits of one that is `least`; 0: none
@@ -235,6 +235,8 @@ static bool run_program(const Program *program, Way way, Outcome *outcome)
     }
     Observations observed = {0};
     lang.whole = way.whole;
+    lang.threads = way.beside ? 3 : 1;
+    lang.aside_always = way.beside;
     lang.observed = way.watched ? &observed : NULL;
     lang.testing = lang.bindings = way.watched;
     lang.stack = way.stack;
@@ -284,17 +286,34 @@ static bool compare(const Program *program, const char *what, Text expected, con
     return false;
 }
 
-// What came out of the whole file, and of its statements as they are read.
-static bool is_same(const Program *program, const Outcome *whole, const Outcome *early)
+// What came out of the whole file in order, and of another way.
+static bool is_same(const Program *program, const Outcome *whole, const Outcome *other,
+                    const char *how)
 {
-    const char *what = strcmp(whole->diagnostics, early->diagnostics) != 0 ? "diagnostics"
-                       : strcmp(whole->print, early->print) != 0           ? "printed lines"
-                       : strcmp(whole->scene, early->scene) != 0           ? "scene"
+    const char *what = strcmp(whole->diagnostics, other->diagnostics) != 0 ? "diagnostics"
+                       : strcmp(whole->print, other->print) != 0           ? "printed lines"
+                       : strcmp(whole->scene, other->scene) != 0           ? "scene"
                                                                            : NULL;
     if (what) {
-        printf("%s: %s: it matters when its statements are evaluated\n", program->path, what);
+        printf("%s: %s: not the same when statements are evaluated %s\n", program->path, what, how);
     }
     return !what;
+}
+
+static bool other_ways_agree(const Program *program, const Outcome *whole)
+{
+    static const char *const how[] = {"beside one another", "as they are read",
+                                      "as they are read, and beside one another"};
+    bool good = true;
+    for (int i = 1; good && i < 4; ++i) {
+        Way way = at_once;
+        way.beside = i != 2;
+        way.whole = i == 1;
+        Outcome other;
+        good = run_program(program, way, &other) && is_same(program, whole, &other, how[i - 1]);
+        free_outcome(&other);
+    }
+    return good;
 }
 
 static void write_lines(FILE *out, const char *text)
@@ -332,16 +351,14 @@ static void update(const Program *program, const Outcome *outcome)
 static bool test_program(const char *path, bool updating)
 {
     Program program = {.limits = limits_default()};
-    Outcome outcome, other;
+    Outcome outcome;
     snprintf(program.path, sizeof program.path, "%s", path);
     if (!read_text(path, &program.source)) {
         printf("%s: can't be read\n", path);
         return false;
     }
     read_expectations(&program);
-    Way early = at_once;
-    early.whole = false;
-    bool good = run_program(&program, at_once, &outcome) && run_program(&program, early, &other);
+    bool good = run_program(&program, at_once, &outcome);
     if (updating && good) {
         update(&program, &outcome);
     } else if (good) {
@@ -349,9 +366,8 @@ static bool test_program(const char *path, bool updating)
     }
     good = good && outcome.counts_good &&
            compare(&program, "printed lines", program.expected_print, outcome.print);
-    good = good && is_same(&program, &outcome, &other);
+    good = good && other_ways_agree(&program, &outcome);
     free_outcome(&outcome);
-    free_outcome(&other);
     free_program(&program);
     return good;
 }
@@ -401,6 +417,7 @@ static bool stop_everywhere(const char *path, unsigned runs)
         Way way = at_once;
         way.whole = i % 3 != 0;
         way.watched = i % 3 == 1;
+        way.beside = i % 2 == 0;
         way.allocations = i * whole.allocations / runs;
         good = stop_once(&program, &whole, way, &ended);
     }
@@ -410,6 +427,7 @@ static bool stop_everywhere(const char *path, unsigned runs)
         for (unsigned i = 0; good && ended && i < runs; ++i) {
             Way way = at_once;
             way.whole = i % 2 != 0;
+            way.beside = i % 3 == 0;
             way.limit = 1 + limits[k];
             way.least = least * (limits[k] == offsetof(Limits, memory) ? 4096 : 1);
             least += 1 + least / FEWEST;
