@@ -52,11 +52,6 @@ Value call_builtin(Eval *ev, Env *env, AstId node, Span at, uint32_t builtin, co
         diag_note(ev->sink, diag, "%s", infos[builtin].signature);
         return value_error();
     }
-    for (uint32_t i = 0; i < count; ++i) {
-        if (is_error(args[i])) {
-            return value_error();
-        }
-    }
     Call call = {ev, env, node, at, b->name, args, count};
     return b->function(&call);
 }
@@ -67,7 +62,7 @@ Span arg_span(const Call *call, uint32_t i)
         return call->at;
     }
     const uint32_t *words = env_words(call->env, env_node(call->env, call->node)->b);
-    return i < words[0] ? env_span(call->env, words[1 + i]) : call->at;
+    return env_span(call->env, words[1 + i]);
 }
 
 Value arg_wrong(Call *call, uint32_t i, const char *wanted)

@@ -30,21 +30,25 @@ static bool arg_unit(Call *call, uint32_t i, Vec3 *out)
     return true;
 }
 
-static bool out_of_range(Call *call, uint32_t i, const char *wanted, double found, const char *unit)
+// Whether a number is `good`, which is reported where it isn't.
+static bool check(Call *call, bool good, uint32_t i, const char *wanted, double found,
+                  const char *unit)
 {
-    report(call->ev, E0410, arg_span(call, i), "`%s` takes %s here, not %.9g%s", call->name, wanted,
-           found, unit);
-    return false;
+    if (!good) {
+        report(call->ev, E0410, arg_span(call, i), "`%s` takes %s here, not %.9g%s", call->name,
+               wanted, found, unit);
+    }
+    return good;
 }
 
 static bool arg_not_negative(Call *call, uint32_t i, const char *wanted, double *out)
 {
-    return arg_bare(call, i, out) && (*out >= 0 || out_of_range(call, i, wanted, *out, ""));
+    return arg_bare(call, i, out) && check(call, *out >= 0, i, wanted, *out, "");
 }
 
 static bool arg_positive(Call *call, uint32_t i, const char *wanted, double *out)
 {
-    return arg_bare(call, i, out) && (*out > 0 || out_of_range(call, i, wanted, *out, ""));
+    return arg_bare(call, i, out) && check(call, *out > 0, i, wanted, *out, "");
 }
 
 // The cosine of an angle of incidence: the angle itself, or a bare number.
@@ -53,16 +57,16 @@ static bool arg_cosine(Call *call, uint32_t i, double *out)
     Value v = call->args[i];
     if (v.type == VALUE_NUMBER && v.dim == DIM_ANGLE) {
         *out = fmax(0, cos(v.number));
-        return (v.number >= 0 && v.number <= PI / 2 * (1 + 1e-12)) ||
-               out_of_range(call, i, "an angle from 0deg to 90deg", v.number * (180 / PI), "deg");
+        return check(call, v.number >= 0 && v.number <= PI / 2 * (1 + 1e-12), i,
+                     "an angle from 0deg to 90deg", v.number * (180 / PI), "deg");
     }
     if (!is_bare(v)) {
         arg_wrong(call, i, "an angle or its cosine");
         return false;
     }
     *out = v.number;
-    return (v.number >= 0 && v.number <= 1) ||
-           out_of_range(call, i, "an angle, or its cosine from 0 to 1", v.number, "");
+    return check(call, v.number >= 0 && v.number <= 1, i, "an angle, or its cosine from 0 to 1",
+                 v.number, "");
 }
 
 // Indices of refraction, as their quotient nt/ni.
@@ -107,12 +111,10 @@ Value builtin_burley(Call *call)
     Vec3 n, wi, wo;
     double roughness, k;
     if (!arg_unit(call, 0, &n) || !arg_unit(call, 1, &wi) || !arg_unit(call, 2, &wo) ||
-        !arg_not_negative(call, 3, "a roughness from 0 to 1", &roughness) ||
+        !arg_bare(call, 3, &roughness) ||
+        !check(call, roughness >= 0 && roughness <= 1, 3, "a roughness from 0 to 1", roughness,
+               "") ||
         !arg_bare(call, 4, &k)) {
-        return value_error();
-    }
-    if (roughness > 1) {
-        out_of_range(call, 3, "a roughness from 0 to 1", roughness, "");
         return value_error();
     }
     return number_result(call, burley_model(n, wi, wo, roughness, k), DIM_NONE);

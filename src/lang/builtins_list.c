@@ -5,17 +5,6 @@
 
 #include <stdio.h>
 
-static bool check_length(Call *call, double count)
-{
-    if (count <= (double)call->ev->lang->limits.list_length && count < UINT32_MAX) {
-        return true;
-    }
-    Diag *diag = report(call->ev, E0706, call->at, "a list of %.15g items is too long", count);
-    diag_note(call->ev->sink, diag, "--limit list_length=N raises the limit of %llu",
-              (unsigned long long)call->ev->lang->limits.list_length);
-    return false;
-}
-
 static Value *new_items(Call *call, uint32_t count)
 {
     return arena_array(call->ev->arena, count, sizeof(Value));
@@ -82,7 +71,7 @@ Value builtin_range(Call *call)
     }
     // A last step that misses the end by rounding only would reach it.
     double count = fmax(0, ceil((x[1] - x[0]) / x[2] - 1e-9));
-    if (!check_length(call, count)) {
+    if (!check_list_length(call->ev, "list", count, call->at)) {
         return value_error();
     }
     if (!count_values(call->ev, (uint64_t)count, call->at)) {
@@ -174,7 +163,7 @@ Value builtin_concat(Call *call)
         }
         total += list.count;
     }
-    if (!check_length(call, total)) {
+    if (!check_list_length(call->ev, "list", total, call->at)) {
         return value_error();
     }
     Value *items = new_items(call, (uint32_t)total);
@@ -273,14 +262,23 @@ static TextBuffer join(Call *call, const char *between)
     return text;
 }
 
+// The number of the module where a call stands; one that a `map` makes stands where the `map` does.
+static uint32_t calling_module(const Call *call)
+{
+    uint32_t i = (uint32_t)call->ev->modules.count - 1;
+    while (i > 0 && call->ev->modules.items[i]->file != call->at.file) {
+        --i;
+    }
+    return i;
+}
+
 Value builtin_str(Call *call)
 {
     TextBuffer text = join(call, "");
     if (call->ev->stop || !count_steps(call->ev, text.length / BYTES_A_STEP, call->at)) {
         return value_error();
     }
-    return make_string(call->ev, (Str){text.text, text.length},
-                       call->env ? call->env->module->number : 0);
+    return make_string(call->ev, (Str){text.text, text.length}, calling_module(call));
 }
 
 Value builtin_print(Call *call)

@@ -312,7 +312,7 @@ static bool two_vectors(Call *call, int count, Value *a, Value *b)
 static bool product_dim(Call *call, Value a, Value b, uint8_t *dim)
 {
     *dim = a.dim ? a.dim : b.dim;
-    return a.dim == DIM_NONE || b.dim == DIM_NONE || same_dim(call, 1, a.dim, DIM_NONE);
+    return same_dim(call, 1, b.dim ? a.dim : DIM_NONE, DIM_NONE);
 }
 
 static double dot_product(Value a, Value b)

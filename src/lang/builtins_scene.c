@@ -437,7 +437,10 @@ static bool hash_value(Eval *ev, Value v, Span at, uint64_t *hash)
         return true;
     case VALUE_LIST:
         for (uint32_t i = 0; i < v.count; ++i) {
-            if (stack_is_deep(ev) || !count_step(ev, at) || !hash_value(ev, v.items[i], at, hash)) {
+            if (stack_is_deep(ev)) {
+                return report_deep_stack(ev, at);
+            }
+            if (!count_step(ev, at) || !hash_value(ev, v.items[i], at, hash)) {
                 return false;
             }
         }

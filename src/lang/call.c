@@ -49,16 +49,18 @@ static const char *callee_text(const Eval *ev, const Closure *closure, char *buf
 static void note_signature(Eval *ev, Diag *diag, const Closure *closure)
 {
     Parameters parameters = parameters_of(closure);
-    char text[256];
-    size_t length = 0;
-    text[0] = '\0';
-    for (uint32_t i = 0; i < parameters.count && length < sizeof text; ++i) {
-        length += (size_t)snprintf(text + length, sizeof text - length, "%s%s%s", i ? ", " : "",
-                                   parameter_name(ev, &parameters, i),
-                                   parameter(&parameters, i)->b ? " = …" : "");
+    enum { LONGEST = 256 };
+    TextBuffer text = {0};
+    text_add(ev, &text, "%.100s(", symbol_name(ev->names, closure_name(closure)).at);
+    for (uint32_t i = 0; i < parameters.count; ++i) {
+        if (text.length > LONGEST) {
+            text_add(ev, &text, ", …");
+            break;
+        }
+        text_add(ev, &text, "%s%.100s%s", i ? ", " : "", parameter_name(ev, &parameters, i),
+                 parameter(&parameters, i)->b ? " = …" : "");
     }
-    Symbol name = closure_name(closure);
-    diag_note(ev->sink, diag, "it is declared as fn %s(%s)", symbol_name(ev->names, name).at, text);
+    diag_note(ev->sink, diag, "it is declared as fn %s)", text.text);
 }
 
 // --- Binding ---------------------------------------------------------------------------------

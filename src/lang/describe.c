@@ -259,7 +259,7 @@ void text_add_value(Eval *ev, TextBuffer *out, Value v, bool quoted)
         return;
     }
     if (stack_is_deep(ev)) {
-        text_add(ev, out, "…");
+        report_deep_stack(ev, out->at);
         return;
     }
     switch ((ValueType)v.type) {

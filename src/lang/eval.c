@@ -29,9 +29,10 @@ static Value report_cycle(Eval *ev, const Env *env, AstId item)
     const Module *module = env->module;
     const char *name = symbol_name(ev->names, item_symbol(module, item)).at;
     Diag *diag = report(ev, E0502, item_name_span(module, item), "`%s` is defined by itself", name);
-    // From the innermost outwards the chain reads "c is needed by b", "b is needed by a".
+    // From the innermost outwards the chain reads "c is needed by b", "b is needed by a"; it ends
+    // with the item itself, which is being evaluated.
     const ForceFrame *inner = ev->forcing;
-    for (int shown = 0; inner && shown < 8; inner = inner->outer, ++shown) {
+    for (int shown = 0; shown < 8; inner = inner->outer, ++shown) {
         if (inner->env == env && inner->item == item) {
             break;
         }
@@ -267,7 +268,7 @@ __attribute__((format(printf, 4, 0))) static void suggest_around(Eval *ev, Span 
     const Source *source = source_get(&ev->lang->sources, whole.file);
     char fix[100];
     int length = (int)(value.end - value.begin);
-    if (source && value.end <= source->text.length && length < 60) {
+    if (length < 60) {
         snprintf(fix, sizeof fix, format, length, source->text.at + value.begin);
         diag_suggest(ev->sink, diag, whole, fix);
     }
@@ -438,8 +439,7 @@ static Value eval_if(Eval *ev, Env *env, const AstNode *node)
     if (truth == TRUTH_ERROR) {
         return value_error();
     }
-    AstId chosen = words[truth == TRUTH_TRUE ? 0 : 1];
-    return chosen ? eval(ev, env, chosen) : value_nothing();
+    return eval(ev, env, words[truth == TRUTH_TRUE ? 0 : 1]); // which a value always has
 }
 
 static Value eval_fn(Eval *ev, Env *env, AstId id)
@@ -491,9 +491,9 @@ Value eval(Eval *ev, Env *env, AstId id)
         return eval_if(ev, env, node);
     case AST_FN:
         return eval_fn(ev, env, id);
-    case AST_BLOCK:
-        return collect_items(ev, env, env_words(env, node->a) + 1, *env_words(env, node->a));
-    default:
-        return value_error(); // the parser has reported it
+    default: { // a block
+        const uint32_t *words = env_words(env, node->a);
+        return collect_items(ev, env, words + 1, words[0]);
+    }
     }
 }

@@ -355,6 +355,8 @@ Value eval_index(Eval *ev, Env *env, AstId id);
 void report_not_whole(Eval *ev, Span at, const char *rule, Value v);
 Value eval_unary(Eval *ev, Env *env, AstId id);
 Value eval_binary(Eval *ev, Env *env, AstId id);
+// E0706 where a "list" or "range" has more than `limits.list_length` items, or 2^32.
+bool check_list_length(Eval *ev, const char *what, double count, Span at);
 Value eval_range(Eval *ev, Env *env, AstId id);
 Value eval_vector(Eval *ev, Env *env, AstId id);
 Value make_vector(Eval *ev, const double *components, int count, uint8_t dim);

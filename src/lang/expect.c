@@ -48,9 +48,11 @@ static const char *source_text(Eval *ev, Span at)
 {
     Str text = source_get(&ev->lang->sources, at.file)->text;
     char *copy = arena_alloc(ev->arena, (size_t)(at.end - at.begin) + 1), *to = copy;
+    bool blank = true;
     for (uint32_t i = at.begin; i < at.end; ++i) {
-        bool blank = strchr(" \t\r\n", text.at[i]) && text.at[i];
-        if (!blank || (to > copy && to[-1] != ' ')) {
+        bool before = blank;
+        blank = strchr(" \t\r\n", text.at[i]) != NULL;
+        if (!blank || !before) {
             *to++ = blank ? ' ' : text.at[i];
         }
     }

@@ -99,12 +99,11 @@ typedef struct Decimal {
     bool inexact;      // there were more digits
 } Decimal;
 
-// Digits with `_` between them.
+// Digits with `_` between them; the first stands at `at`, so that one stands before each `_`.
 static const char *read_digits(const Lexer *lexer, const char *at, Decimal *decimal, bool fraction)
 {
     for (; at < lexer->end; ++at) {
-        if (*at == '_' && at + 1 < lexer->end && char_is(at[-1], CHAR_DIGIT) &&
-            char_is(at[1], CHAR_DIGIT)) {
+        if (*at == '_' && at + 1 < lexer->end && char_is(at[1], CHAR_DIGIT)) {
             continue;
         }
         if (!char_is(*at, CHAR_DIGIT)) {

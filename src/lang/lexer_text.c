@@ -172,8 +172,11 @@ bool lexer_unexpected(Lexer *lexer, Token *token)
         return true;
     }
     if (code == UTF8_INVALID) { // reported at the start
-        while (end < lexer->end && utf8_decode(end, lexer->end, &code) && code == UTF8_INVALID) {
-            ++end;
+        for (; end < lexer->end; ++end) {
+            utf8_decode(end, lexer->end, &code);
+            if (code != UTF8_INVALID) {
+                break;
+            }
         }
     } else if (utf8_is_control(code)) {
         diag_report(lexer->sink, E0116, lexer_span(lexer, begin, end),

@@ -275,14 +275,14 @@ typedef struct Aim {
     const char *unit, *what;
 } Aim;
 
-static bool wrong_sides(Eval *ev, const char *what, Value a, Value b, Span at)
+// Of a measured value and what can't be held against it.
+static bool wrong_sides(Eval *ev, const char *what, Value measured, Value target, Span at)
 {
     char left[DESCRIBE_SIZE], right[DESCRIBE_SIZE];
     Diag *diag = report(ev, E0405, at, "`%s` doesn't compare %s and %s", what,
-                        describe_value(ev, a, left, sizeof left),
-                        describe_value(ev, b, right, sizeof right));
-    Value measured = a.type == VALUE_MEASURE ? a : b;
-    if (measured.type == VALUE_MEASURE && measured.small == 3) {
+                        describe_value(ev, measured, left, sizeof left),
+                        describe_value(ev, target, right, sizeof right));
+    if (measured.small == 3) {
         diag_note(ev->sink, diag, "`luminance(…)`, or .r, .g or .b, makes a number of it");
     }
     return false;

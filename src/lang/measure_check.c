@@ -31,20 +31,20 @@ static uint32_t find_named(const Scene *scene, Category category, const char *na
     return NONE_ID;
 }
 
-// A whole number of the film, by the schema: as it was set, or its default.
+// A whole number of the film, by the schema, whose films have it: as it was set, or its default.
 static double film_number(Eval *ev, const char *field)
 {
-    int type = schema_find(ev->lang->schema, STR("film"));
-    const char *params = scene_setting(ev->scene, "film");
-    params = params || type < 0 ? params : kind_defaults(ev, (uint32_t)type);
-    int index =
-        type < 0 ? -1 : node_type_find_param(ev->lang->schema->types[type], str_from(field));
-    if (!params || index < 0) {
-        return 0;
+    int number = schema_find(ev->lang->schema, STR("film"));
+    if (number < 0) {
+        return 0; // a schema without pictures
     }
-    int64_t number;
-    memcpy(&number, params + ev->lang->schema->types[type]->params[index].offset, sizeof number);
-    return (double)number;
+    const NodeType *type = ev->lang->schema->types[number];
+    const char *params = scene_setting(ev->scene, "film");
+    params = params ? params : kind_defaults(ev, (uint32_t)number);
+    int64_t value;
+    memcpy(&value, params + type->params[node_type_find_param(type, str_from(field))].offset,
+           sizeof value);
+    return (double)value;
 }
 
 static void check_region(Eval *ev, Sight *sight)

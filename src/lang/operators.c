@@ -85,7 +85,7 @@ static Value wrong_dims(Eval *ev, Operator op, Value a, Value b, Span at)
 
 static Value not_finite(Eval *ev, Operator op, Value b, Span at)
 {
-    if ((op == OP_DIVIDE || op == OP_MODULO) && b.type == VALUE_NUMBER && b.number == 0) {
+    if ((op == OP_DIVIDE || op == OP_MODULO) && b.number == 0) { // by a number, always
         return fail(report(ev, E0501, at, "division by zero"));
     }
     return fail(
@@ -283,8 +283,10 @@ bool count_comparison(Eval *ev, Value a, Value b, Span at)
 
 static bool sequences_equal(Eval *ev, Value a, Value b, Span at)
 {
-    if (a.count != b.count || (stack_is_deep(ev) && !report_deep_stack(ev, at)) ||
-        !count_values(ev, a.count, at)) {
+    if (stack_is_deep(ev)) {
+        return report_deep_stack(ev, at);
+    }
+    if (a.count != b.count || !count_values(ev, a.count, at)) {
         return false;
     }
     for (uint32_t i = 0; i < a.count; ++i) {
@@ -472,6 +474,20 @@ static bool range_end(Eval *ev, Env *env, AstId id, double *out)
     return false;
 }
 
+bool check_list_length(Eval *ev, const char *what, double count, Span at)
+{
+    const uint64_t limit = ev->lang->limits.list_length;
+    if (count <= (double)limit && count < UINT32_MAX) {
+        return true;
+    }
+    Diag *diag = report(ev, E0706, at, "a %s of %.15g items is too long", what, count);
+    if (limit < UINT32_MAX) {
+        diag_note(ev->sink, diag, "--limit list_length=N raises the limit of %llu",
+                  (unsigned long long)limit);
+    }
+    return false;
+}
+
 Value eval_range(Eval *ev, Env *env, AstId id)
 {
     const AstNode *node = env_node(env, id);
@@ -481,11 +497,7 @@ Value eval_range(Eval *ev, Env *env, AstId id)
         return value_error();
     }
     double count = fmax(0, last - first + (node->aux ? 0 : 1));
-    if (count > (double)ev->lang->limits.list_length || count > UINT32_MAX) {
-        Diag *diag =
-            report(ev, E0706, env_span(env, id), "a range of %.15g items is too long", count);
-        diag_note(ev->sink, diag, "--limit list_length=N raises the limit of %llu",
-                  (unsigned long long)ev->lang->limits.list_length);
+    if (!check_list_length(ev, "range", count, env_span(env, id))) {
         return value_error();
     }
     return (Value){.type = VALUE_RANGE, .count = (uint32_t)count, .number = first};
@@ -507,7 +519,7 @@ Value eval_vector(Eval *ev, Env *env, AstId id)
     double components[4] = {0};
     Value first = {0}; // the first that says a dimension
     bool bad = false;
-    for (uint32_t i = 0; i < count && i < 4; ++i) {
+    for (uint32_t i = 0; i < count; ++i) { // at most 4, by the parser
         AstId item = env_words(env, list)[1 + i];
         Value v = eval(ev, env, item);
         if (v.type != VALUE_NUMBER) {

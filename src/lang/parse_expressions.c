@@ -1,3 +1,4 @@
+#include "lang/lexer_internal.h"
 #include "lang/parser_internal.h"
 
 // --- Operators -----------------------------------------------------------------------------------
@@ -106,11 +107,6 @@ static AstId parse_operators(Parser *p, AstId left, uint32_t begin, int least)
 
 // --- Primaries -----------------------------------------------------------------------------------
 
-static bool is_name_char(char c)
-{
-    return c == '_' || (c >= '0' && c <= '9') || ((c | 0x20) >= 'a' && (c | 0x20) <= 'z');
-}
-
 // Whether the current token, a name behind a number, is a unit that stands apart: no item or field
 // begins with it.
 static bool is_detached_unit(const Parser *p)
@@ -128,7 +124,7 @@ static bool is_detached_unit(const Parser *p)
         ++rest;
     }
     bool with = end - rest >= 4 && memcmp(rest, "with", 4) == 0 &&
-                (end - rest == 4 || !is_name_char(rest[4]));
+                (end - rest == 4 || !char_is(rest[4], CHAR_LETTER | CHAR_DIGIT));
     return !with;
 }
 
@@ -143,10 +139,8 @@ static AstId parse_number(Parser *p)
         Diag *diag =
             parse_error(p, E0112, parse_token_span(p),
                         "the unit `%.*s` must stand directly behind its number", length, text);
-        if (diag) {
-            diag_label(p->lexer.sink, diag, "remove the blank before it");
-            diag_suggest(p->lexer.sink, diag, parse_span(p, number.end, p->token.begin), "");
-        }
+        diag_label(p->lexer.sink, diag, "remove the blank before it");
+        parse_suggest(p, diag, parse_span(p, number.end, p->token.begin), "");
         number.unit = lexer_find_unit(&p->lexer, text, (size_t)length);
         parse_advance(p);
     }
@@ -187,6 +181,7 @@ static AstId parse_vector(Parser *p)
         Diag *diag = parse_error(p, E0212, parse_span(p, begin, p->previous_end),
                                  "a vector has two, three or four components, not %zu", count);
         parse_note(p, diag, count > 4 ? "a list is written `[…]`" : "write `(x, y, z)`");
+        p->stack.count = mark + (count < 4 ? count : 4); // no node has more
     }
     uint32_t list = parse_list(p, mark);
     return parse_node(p, AST_VECTOR, begin, list, 0);
@@ -481,17 +476,15 @@ static AstId parse_binary(Parser *p, int least)
 
 AstId parse_tolerance(Parser *p, bool *percent)
 {
-    AstId value = 0;
-    if (parse_enter(p)) {
-        uint32_t outer = p->tolerance;
-        p->tolerance = p->nesting;
-        value = parse_binary(p, POWER_ADD);
-        *percent = !p->panicking && at_percent(p);
-        if (*percent) {
-            parse_advance(p);
-        }
-        p->tolerance = outer;
+    uint32_t outer = p->tolerance;
+    (void)parse_enter(p); // as deep as the value before `within`
+    p->tolerance = p->nesting;
+    AstId value = parse_binary(p, POWER_ADD);
+    *percent = !p->panicking && at_percent(p);
+    if (*percent) {
+        parse_advance(p);
     }
+    p->tolerance = outer;
     parse_leave(p);
     return value;
 }
@@ -510,7 +503,7 @@ static AstId parse_assignment(Parser *p, AstId left, uint32_t begin)
 AstId parse_condition(Parser *p)
 {
     uint32_t open = p->token.begin;
-    if (!p->panicking && !parse_at(p, TOKEN_LEFT_PAREN)) {
+    if (!parse_at(p, TOKEN_LEFT_PAREN)) {
         parse_expected(p, "`(` before the condition");
         return 0;
     }

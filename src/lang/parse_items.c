@@ -136,7 +136,8 @@ static AstId parse_parameter(Parser *p)
     AstId value = 0;
     p->height = 0;
     if (!p->panicking && (parse_at(p, TOKEN_ASSIGN) || parse_at(p, TOKEN_COLON))) {
-        value = parse_binding(p) ? parse_expression(p) : 0;
+        (void)parse_binding(p); // which it is, or is taken for
+        value = parse_expression(p);
     }
     ++p->height;
     return parse_node(p, AST_PARAMETER, begin, symbol, value);
@@ -211,7 +212,8 @@ static AstId parse_required_block(Parser *p, const char *of)
     if (parse_at(p, TOKEN_END) || parse_at(p, TOKEN_RIGHT_BRACE)) {
         return 0;
     }
-    AstId item = parse_enter(p) ? parse_item(p) : 0;
+    (void)parse_enter(p); // as deep as the expression in parentheses before it
+    AstId item = parse_item(p);
     parse_leave(p);
     return item;
 }
@@ -302,7 +304,8 @@ static AstId parse_if_blocks(Parser *p, uint32_t begin, AstId condition)
     height = parse_taller(height, p->height);
     if (!p->panicking && parse_accept(p, TOKEN_ELSE)) {
         if (parse_at(p, TOKEN_IF)) {
-            branches[1] = parse_enter(p) ? parse_else_if(p) : 0;
+            (void)parse_enter(p); // as deep as the condition
+            branches[1] = parse_else_if(p);
             parse_leave(p);
         } else {
             branches[1] = parse_required_block(p, "`else`");
@@ -341,17 +344,16 @@ static bool misplaced_value(Parser *p, const Token *name)
     if (parse_at(p, TOKEN_ASSIGN)) {
         Diag *diag = parse_error(p, E0208, parse_span(p, name->begin, name->end),
                                  "a name is bound with `let`");
-        if (diag) {
-            int length = (int)(name->end - name->begin < 40 ? name->end - name->begin : 40);
-            diag_label(p->lexer.sink, diag, "write `let %.*s = …`", length,
-                       p->lexer.begin + name->begin);
-            diag_suggest(p->lexer.sink, diag, parse_span(p, name->begin, name->begin), "let ");
-        }
+        int length = (int)(name->end - name->begin < 40 ? name->end - name->begin : 40);
+        diag_label(p->lexer.sink, diag, "write `let %.*s = …`", length,
+                   p->lexer.begin + name->begin);
+        parse_suggest(p, diag, parse_span(p, name->begin, name->begin), "let ");
     } else if (parse_at(p, TOKEN_COLON)) {
-        Diag *diag = p->lost_brace ? NULL
-                                   : parse_error(p, E0222, parse_span(p, name->begin, name->end),
-                                                 "a field can only stand between a kind's braces");
-        parse_note(p, diag, "is a `{` missing before it?");
+        if (!p->lost_brace) {
+            Diag *diag = parse_error(p, E0222, parse_span(p, name->begin, name->end),
+                                     "a field can only stand between a kind's braces");
+            parse_note(p, diag, "is a `{` missing before it?");
+        }
         p->lost_brace = true;
     } else {
         return false;
@@ -450,10 +452,8 @@ static AstId parse_field_value(Parser *p, const Token *name)
                  p->lexer.begin + name->begin);
         Diag *diag = parse_error(p, E0204, parse_span(p, name->begin, name->end),
                                  "expected `:` after the field's name `%s`", text);
-        if (diag) {
-            diag_label(p->lexer.sink, diag, "write `%s: …`", text);
-            diag_suggest(p->lexer.sink, diag, parse_span(p, name->end, name->end), ":");
-        }
+        diag_label(p->lexer.sink, diag, "write `%s: …`", text);
+        parse_suggest(p, diag, parse_span(p, name->end, name->end), ":");
     }
     AstId value = parse_expression(p);
     ++p->height;
@@ -593,9 +593,7 @@ static bool parse_header(Parser *p)
     if (p->token.number != LANGUAGE_VERSION || p->token.unit) {
         Diag *diag = parse_error(p, E0209, parse_token_span(p),
                                  "version %s of the language is not known", parse_found(p).text);
-        if (diag) {
-            diag_note(p->lexer.sink, diag, "this program knows version %d", LANGUAGE_VERSION);
-        }
+        diag_note(p->lexer.sink, diag, "this program knows version %d", LANGUAGE_VERSION);
     }
     p->ast->version = LANGUAGE_VERSION;
     parse_advance(p);
@@ -616,7 +614,7 @@ void parse_file_begin(Parser *p)
     }
     AstId id = parse_emit(p, &first);
     if (p->panicking) {
-        parse_recover(p, p->token.begin);
+        parse_recover(p, first.begin);
     }
     if (id) {
         parse_push(p, id);

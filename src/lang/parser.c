@@ -17,7 +17,7 @@ Span parse_missing_span(const Parser *p)
 Diag *parse_error(Parser *p, DiagCode code, Span at, const char *format, ...)
 {
     if (p->panicking || p->gave_up) {
-        return NULL;
+        return &p->lexer.sink->spare;
     }
     char text[400];
     va_list arguments;
@@ -29,16 +29,12 @@ Diag *parse_error(Parser *p, DiagCode code, Span at, const char *format, ...)
 
 void parse_note(Parser *p, Diag *diag, const char *text)
 {
-    if (diag) {
-        diag_note(p->lexer.sink, diag, "%s", text);
-    }
+    diag_note(p->lexer.sink, diag, "%s", text);
 }
 
 void parse_suggest(Parser *p, Diag *diag, Span at, const char *text)
 {
-    if (diag) {
-        diag_suggest(p->lexer.sink, diag, at, text);
-    }
+    diag_suggest(p->lexer.sink, diag, at, text);
 }
 
 TokenText parse_found(const Parser *p)
@@ -132,19 +128,12 @@ static bool may_begin_item(const Parser *p)
     }
 }
 
-static bool is_closing(uint8_t kind)
-{
-    return kind == TOKEN_RIGHT_BRACE || kind == TOKEN_RIGHT_PAREN || kind == TOKEN_RIGHT_BRACKET;
-}
-
 static void report_unclosed(Parser *p, TokenKind close, uint32_t open)
 {
     Diag *diag = parse_error(p, E0202, parse_missing_span(p), "expected %s, found %s",
                              token_kind_name(close), parse_found(p).text);
-    if (diag) {
-        diag_frame(p->lexer.sink, diag, parse_span(p, open, open + 1), "to close the `%c` here",
-                   p->lexer.begin[open]);
-    }
+    diag_frame(p->lexer.sink, diag, parse_span(p, open, open + 1), "to close the `%c` here",
+               p->lexer.begin[open]);
 }
 
 void parse_close(Parser *p, TokenKind close, uint32_t open)
@@ -152,7 +141,7 @@ void parse_close(Parser *p, TokenKind close, uint32_t open)
     if (p->panicking) {
         return;
     }
-    p->open -= close != TOKEN_RIGHT_BRACE && p->open > 0;
+    p->open -= close != TOKEN_RIGHT_BRACE;
     if (parse_accept(p, close)) {
         return;
     }
@@ -162,7 +151,7 @@ void parse_close(Parser *p, TokenKind close, uint32_t open)
         parse_give_up(p);
     } else if (kind == TOKEN_RIGHT_BRACE || (p->token.on_new_line && may_begin_item(p))) {
         report_unclosed(p, close, open); // and go on as if it stood here
-    } else if (is_closing(kind)) {
+    } else if (kind == TOKEN_RIGHT_PAREN || kind == TOKEN_RIGHT_BRACKET) {
         report_unclosed(p, close, open);
         parse_advance(p);
     } else {
@@ -200,10 +189,8 @@ bool parse_more(Parser *p, TokenKind close)
     }
     Span at = parse_span(p, p->previous_end, p->previous_end);
     Diag *diag = parse_error(p, E0223, at, "expected `,` before %s", parse_found(p).text);
-    if (diag) {
-        diag_label(p->lexer.sink, diag, "a comma is missing");
-        diag_suggest(p->lexer.sink, diag, at, ",");
-    }
+    diag_label(p->lexer.sink, diag, "a comma is missing");
+    diag_suggest(p->lexer.sink, diag, at, ",");
     return true;
 }
 
@@ -261,7 +248,7 @@ void parse_recover(Parser *p, uint32_t before)
     p->panicking = false;
     bool opening = parse_at(p, TOKEN_LEFT_BRACE) || parse_at(p, TOKEN_LEFT_PAREN) ||
                    parse_at(p, TOKEN_LEFT_BRACKET);
-    if (p->token.begin == before && !opening && !parse_at(p, TOKEN_RIGHT_BRACE)) {
+    if (p->token.begin == before && !opening) { // no item begins with a closing brace
         parse_advance(p);
     }
     while (!is_resting_place(p)) {
@@ -296,12 +283,10 @@ bool parse_enter(Parser *p)
     if (++p->nesting <= p->most_nesting) {
         return !p->gave_up;
     }
-    if (!p->gave_up) {
-        Diag *diag = parse_error(p, E0701, parse_token_span(p), "nested more than %u levels deep",
-                                 p->most_nesting);
-        parse_note(p, diag, "`--limit nesting=N` allows more");
-        parse_give_up(p);
-    }
+    Diag *diag = parse_error(p, E0701, parse_token_span(p), "nested more than %u levels deep",
+                             p->most_nesting);
+    parse_note(p, diag, "`--limit nesting=N` allows more");
+    parse_give_up(p);
     p->panicking = true;
     return false;
 }
@@ -312,13 +297,10 @@ bool parse_link(Parser *p, uint32_t other)
     if (p->height <= p->most_height) {
         return true;
     }
-    if (!p->gave_up) {
-        Diag *diag =
-            parse_error(p, E0701, parse_token_span(p),
-                        "an expression with more than %u operations in a row", p->most_height);
-        parse_note(p, diag, "name a part of it with `let`, or use `sum` over a list");
-        parse_give_up(p);
-    }
+    Diag *diag = parse_error(p, E0701, parse_token_span(p),
+                             "an expression with more than %u operations in a row", p->most_height);
+    parse_note(p, diag, "name a part of it with `let`, or use `sum` over a list");
+    parse_give_up(p);
     p->panicking = true;
     return false;
 }
@@ -527,7 +509,7 @@ AstId parser_read_item(Parser *p)
     p->item = p->stack.count;
     p->item_nodes = p->ast->nodes.count;
     p->item_extra = p->ast->extra.count;
-    const bool good = !parse_at(p, TOKEN_END) && parse_guarded(p, read_item, NULL);
+    const bool good = parse_guarded(p, read_item, NULL);
     return good && p->stack.count > p->item ? p->stack.items[p->item] : 0;
 }
 

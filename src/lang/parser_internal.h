@@ -68,8 +68,8 @@ static inline Str parse_token_text(const Parser *p)
 }
 // Where something is missing: the current token, or behind the last one if a line ends between.
 Span parse_missing_span(const Parser *p);
-// Reports, unless an error is being recovered from; then it returns NULL, as it does where the
-// parser gave up.
+// Reports, unless an error is being recovered from or the parser gave up: then it returns the
+// sink's spare diagnostic, which isn't kept. Never NULL.
 Diag *parse_error(Parser *p, DiagCode code, Span at, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 void parse_note(Parser *p, Diag *diag, const char *text);

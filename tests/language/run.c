@@ -386,9 +386,9 @@ static bool stop_once(const Program *program, const Outcome *whole, Way way, boo
                              : outcome.said || !whole->good;
     if (!good) {
         printf("%s: ended halfway without saying so: %llu allocations, a stack of %zu, "
-               "limit %zu: %llu\n",
+               "limit %zu: %llu\n%s",
                program->path, (unsigned long long)way.allocations, way.stack,
-               way.limit / sizeof(uint64_t), (unsigned long long)way.least);
+               way.limit / sizeof(uint64_t), (unsigned long long)way.least, outcome.diagnostics);
     }
     free_outcome(&outcome);
     return good;

@@ -68,9 +68,15 @@ static void the_stack_is_guarded(void **state)
     assert_non_null(strstr(f.diagnostics, "error[E0704]"));
     unload(&f);
     f = load_with("let deep = fold(range(300000), [], fn(inner, i) = [inner])\n"
-                  "print(deep == deep)\nprint(len(str(deep)) > 0)",
+                  "print(deep == deep)",
                   small);
     assert_non_null(strstr(f.diagnostics, "error[E0704]"));
+    unload(&f);
+    f = load_with("let deep = fold(range(300000), [], fn(inner, i) = [inner])\n"
+                  "print(len(str(deep)) > 0)",
+                  small);
+    assert_non_null(strstr(f.diagnostics, "error[E0704]"));
+    assert_string_equal(f.printed, "");
     unload(&f);
 }
 
@@ -211,6 +217,30 @@ static void nesting_is_limited_everywhere(void **state)
             unload(&f);
         }
         assert_true(ever && !deep_before);
+    }
+}
+
+// Both sides of an `=` that was meant to compare are counted together.
+static void long_chains_are_limited(void **state)
+{
+    (void)state;
+    static const char *const beginnings[] = {"let _a = 1", "if (1", "let _a = 1 = 1"};
+    for (size_t i = 0; i < sizeof beginnings / sizeof *beginnings; ++i) {
+        bool deep = false;
+        for (unsigned count = 990; count < 1010; ++count) {
+            char text[4096];
+            snprintf(text, sizeof text, "%s", beginnings[i]);
+            for (unsigned k = 0; k < count; ++k) {
+                strcat(text, "+1");
+            }
+            strcat(text, i == 1 ? " = 2) {}" : "");
+            Fixture f = load_with(text, setup_with("nesting=2"));
+            bool too_long = strstr(f.diagnostics, "operations in a row") != NULL;
+            assert_true(too_long || !deep);
+            deep = too_long;
+            unload(&f);
+        }
+        assert_true(deep);
     }
 }
 
@@ -373,6 +403,7 @@ int main(void)
         cmocka_unit_test(iterations_give_memory_back),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(nesting_is_limited_everywhere),
+        cmocka_unit_test(long_chains_are_limited),
         cmocka_unit_test(texts_end_anywhere),
         cmocka_unit_test(settings_change_hash_and_params),
         cmocka_unit_test(params_are_listed_as_json),
