@@ -200,4 +200,23 @@ bool parser_learn(Parser *parser, AstId item);
 // spans of this one. It is not in the file. Else 0, and nothing was read.
 AstId parser_repeat_item(Parser *parser);
 
+// Such statements read ahead, in several places at a time; the parser stays as it is meanwhile.
+enum { PARSE_PATTERNS = 8 }; // are kept at a time
+typedef struct RepeatRun {
+    const char *at;                // where the next statement begins
+    const char *behind;            // the end of the last one; NULL: none was read
+    const char *end;               // no statement that begins here or later is read
+    uint8_t order[PARSE_PATTERNS]; // in which patterns are tried
+} RepeatRun;
+// A run that begins where the parser stands and ends with the text.
+RepeatRun parser_run(const Parser *parser);
+// Where a statement like the last one that was repeated seems to begin, at `from` or behind it;
+// NULL where none does.
+const char *parser_find_repeat(const Parser *parser, const char *from);
+// As parser_repeat_item, with nodes of its own: a copy of the parser's. 0 where no statement
+// repeats one that was learnt, or something follows that isn't a statement.
+AstId parser_run_item(const Parser *parser, RepeatRun *run, Ast *ast);
+// What a run has read, which it must have, counts as read.
+void parser_pass_run(Parser *parser, const RepeatRun *run);
+
 #endif

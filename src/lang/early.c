@@ -10,9 +10,17 @@
 // one, where anything is reported meanwhile, or an error at any time (a limit would be passed at
 // another place). Then the file is read anew, and as a whole. So early evaluation changes nothing
 // but time and memory.
+#include "lang/aside.h"
 #include "lang/resolve.h"
 
-enum { FIRST_SLOTS = 64 }; // of the file's frame
+enum {
+    FIRST_SLOTS = 64,     // of the file's frame
+    ENOUGH_REPEATS = 64,  // one after the other, before statements are evaluated beside one another
+    FEW_REPEATS = 2,      // the same, for tests
+    UNIT_BYTES = 1 << 18, // of text that one thread takes at a time
+    FEW_BYTES = 64,       // the same, for tests
+    LEAST_UNITS = 4,      // worth the threads' start
+};
 
 typedef struct Early {
     Eval *ev;
@@ -21,6 +29,7 @@ typedef struct Early {
     Resolver resolver;
     DiagMark mark;
     uint32_t declared; // items that stay in the file and were declared
+    uint32_t repeated; // statements one after the other that were repeated
 } Early;
 
 // The file's frame grows with its names. No value holds it yet: functions wait.
@@ -112,12 +121,140 @@ static bool take_item(Early *e, AstId item)
     return !is_refused(e);
 }
 
+// --- Beside one another ------------------------------------------------------------------------
+
+// The file, with nodes of a thread's own, into which the numbers of repeated statements go.
+typedef struct Copy {
+    Module module;
+    Env *env;
+} Copy;
+
+typedef struct Beside {
+    const Parser *parser;
+    Copy *copies; // by thread
+    RepeatRun *runs;
+} Beside;
+
+static bool copy_file(Copy *copy, const Module *module)
+{
+    const size_t nodes = module->ast.nodes.count;
+    const size_t bytes = sizeof *copy->env + module->env->slot_count * sizeof(Value);
+    copy->module = *module;
+    copy->module.ast.nodes.items = mem_alloc(nodes, sizeof *copy->module.ast.nodes.items);
+    copy->env = mem_alloc(1, bytes);
+    if (!copy->module.ast.nodes.items || !copy->env) {
+        return false;
+    }
+    memcpy(copy->module.ast.nodes.items, module->ast.nodes.items,
+           nodes * sizeof *module->ast.nodes.items);
+    memcpy(copy->env, module->env, bytes);
+    copy->env->module = &copy->module;
+    copy->module.env = copy->env;
+    return true;
+}
+
+static bool run_repeats(Eval *ev, void *context, uint32_t unit, unsigned worker)
+{
+    const Beside *beside = context;
+    Copy *copy = &beside->copies[worker];
+    RepeatRun *run = &beside->runs[unit];
+    while (run->at < run->end && !ev->stop) {
+        const AstId item = parser_run_item(beside->parser, run, &copy->module.ast);
+        if (!item) {
+            break;
+        }
+        RegionMark region = region_enter(ev);
+        run_items(ev, copy->env, &item, 1);
+        region_leave(ev, region);
+    }
+    return run->at == run->end; // else the next begins within a statement
+}
+
+// Cuts the text at what seem to be borders of statements.
+static uint32_t cut_runs(const Early *e, RepeatRun *runs, uint32_t most)
+{
+    const size_t bytes = e->ev->lang->aside_always ? FEW_BYTES : UNIT_BYTES;
+    RepeatRun run = parser_run(e->parser);
+    const char *end = run.end;
+    uint32_t count = 0;
+    while (count < most && (size_t)(end - run.at) > bytes) {
+        run.end = parser_find_repeat(e->parser, run.at + bytes);
+        if (!run.end) {
+            break;
+        }
+        runs[count++] = run;
+        run.at = run.end;
+    }
+    return count;
+}
+
+static void run_beside(Early *e, const Beside *beside, uint32_t most)
+{
+    Eval *ev = e->ev;
+    const uint32_t least = ev->lang->aside_always ? 1 : LEAST_UNITS;
+    for (;;) {
+        const uint32_t count = cut_runs(e, beside->runs, most);
+        if (count < least || aside_units(ev) == 0) {
+            return;
+        }
+        const uint32_t done = aside_run(ev, run_repeats, (void *)(uintptr_t)beside, count);
+        uint32_t last = done; // + 1: the last that read anything
+        while (last > 0 && !beside->runs[last - 1].behind) {
+            --last;
+        }
+        if (last > 0) {
+            parser_pass_run(e->parser, &beside->runs[last - 1]);
+        }
+        if (last < count || beside->runs[last - 1].at != beside->runs[last - 1].end) {
+            return;
+        }
+    }
+}
+
+// What follows, as far as it repeats what was learnt.
+static void read_beside(Early *e)
+{
+    const uint32_t most = aside_units(e->ev);
+    const uint32_t threads = most < e->ev->lang->threads ? most : e->ev->lang->threads;
+    Beside beside = {.parser = e->parser,
+                     .copies = mem_alloc_zeroed(threads, sizeof *beside.copies),
+                     .runs = mem_alloc(most, sizeof *beside.runs)};
+    bool good = most && beside.copies && beside.runs;
+    for (uint32_t i = 0; good && i < threads; ++i) {
+        good = copy_file(&beside.copies[i], e->module);
+    }
+    if (good) {
+        run_beside(e, &beside, most);
+    }
+    for (uint32_t i = 0; beside.copies && i < threads; ++i) {
+        mem_free(beside.copies[i].module.ast.nodes.items);
+        mem_free(beside.copies[i].env);
+    }
+    mem_free(beside.copies);
+    mem_free(beside.runs);
+}
+
+static bool read_again(Early *e, AstId item)
+{
+    const bool always = e->ev->lang->aside_always;
+    if (is_refused(e) || !run_resolved(e, item)) {
+        return false;
+    }
+    if (++e->repeated == (always ? FEW_REPEATS : ENOUGH_REPEATS)) {
+        e->repeated = 0;
+        read_beside(e);
+        return !is_refused(e) && go_on(e->ev);
+    }
+    return true;
+}
+
 static bool read_on(Early *e)
 {
     const AstId again = parser_repeat_item(e->parser);
     if (again) {
-        return !is_refused(e) && run_resolved(e, again);
+        return read_again(e, again);
     }
+    e->repeated = 0;
     const AstId item = parser_read_item(e->parser);
     resolver_make_room(&e->resolver);
     if (!item || parser_is_out_of_memory(e->parser) || is_refused(e)) {

@@ -251,10 +251,8 @@ static inline bool skip_blanks(Lexer *lexer)
     }
 }
 
-// Where the next token begins, or the end.
-static const char *next_begin(const Lexer *lexer)
+const char *lexer_next_begin(const char *at, const char *end)
 {
-    const char *at = lexer->at, *end = lexer->end;
     for (;;) {
         while (at < end && char_is(*at, CHAR_BLANK)) {
             ++at;
@@ -271,13 +269,13 @@ static const char *next_begin(const Lexer *lexer)
 
 char lexer_peek(const Lexer *lexer)
 {
-    const char *at = next_begin(lexer);
+    const char *at = lexer_next_begin(lexer->at, lexer->end);
     return at < lexer->end ? *at : '\0';
 }
 
 bool lexer_peek_word(const Lexer *lexer, Str word)
 {
-    const char *at = next_begin(lexer), *end = at;
+    const char *at = lexer_next_begin(lexer->at, lexer->end), *end = at;
     while (end < lexer->end && char_is(*end, CHAR_LETTER | CHAR_DIGIT)) {
         ++end;
     }

@@ -34,6 +34,9 @@ Symbol lexer_intern(Lexer *lexer, const char *begin, const char *end);
 // unit. Behind it, or NULL where it is something else.
 const char *lexer_plain_number(const char *at, const char *end, double *out);
 
+// Where the next token begins, or the end.
+const char *lexer_next_begin(const char *at, const char *end);
+
 // Each reads its token at lexer->at, moves lexer->at behind it, and fills kind and value.
 void lexer_number(Lexer *lexer, Token *token);
 void lexer_string(Lexer *lexer, Token *token);

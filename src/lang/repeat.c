@@ -14,7 +14,6 @@
 #include "lang/parser_internal.h"
 
 enum {
-    PATTERNS = 8,         // kept at a time
     MOST_HOLES = 32,      // numbers in a statement
     MOST_NODES = 128,     // of a statement
     FIRST_BUDGET = 32,    // statements that may be learnt at once, and
@@ -48,8 +47,8 @@ struct Repeats {
     uint32_t read; // statements that were not repeated
     uint32_t learnt;
     uint32_t count;
-    uint8_t order[PATTERNS]; // of patterns, the one used last first
-    Pattern patterns[PATTERNS];
+    uint8_t order[PARSE_PATTERNS]; // of patterns, the one used last first
+    Pattern patterns[PARSE_PATTERNS];
 };
 
 Repeats *repeats_new(void)
@@ -62,11 +61,11 @@ Repeats *repeats_new(void)
 }
 
 // The pattern at place `place` of the order comes first.
-static void move_to_front(Repeats *repeats, uint32_t place)
+static void move_to_front(uint8_t *order, uint32_t place)
 {
-    const uint8_t number = repeats->order[place];
-    memmove(repeats->order + 1, repeats->order, place);
-    repeats->order[0] = number;
+    const uint8_t number = order[place];
+    memmove(order + 1, order, place);
+    order[0] = number;
 }
 
 // --- Learning ------------------------------------------------------------------------------------
@@ -209,8 +208,8 @@ bool parser_learn(Parser *p, AstId item)
         node_count > MOST_NODES) {
         return false;
     }
-    const bool is_new = repeats->count < PATTERNS;
-    const uint8_t number = is_new ? (uint8_t)repeats->count : repeats->order[PATTERNS - 1];
+    const bool is_new = repeats->count < PARSE_PATTERNS;
+    const uint8_t number = is_new ? (uint8_t)repeats->count : repeats->order[PARSE_PATTERNS - 1];
     Pattern *pattern = &repeats->patterns[number];
     Pattern made = {.item = item,
                     .first = (AstId)p->item_nodes,
@@ -228,7 +227,7 @@ bool parser_learn(Parser *p, AstId item)
     if (is_new) {
         repeats->order[repeats->count++] = number;
     }
-    move_to_front(repeats, repeats->count - 1);
+    move_to_front(repeats->order, repeats->count - 1);
     return true;
 }
 
@@ -255,10 +254,10 @@ static const char *match_number(const char *at, const char *end, bool any_sign, 
     return at;
 }
 
-static bool is_match(const Parser *p, const Pattern *pattern, Match *match)
+// Of a statement that begins at `at`.
+static bool is_match(const Parser *p, const Pattern *pattern, const char *at, Match *match)
 {
     const char *begin = p->lexer.begin, *end = p->lexer.end, *text = begin + pattern->begin;
-    const char *at = begin + p->token.begin;
     uint32_t offset = 0; // in the pattern's text
     for (uint32_t i = 0; i < pattern->hole_count; ++i) {
         const Hole *hole = &pattern->holes[i];
@@ -316,13 +315,13 @@ static void read_repeat(Parser *p, void *with)
     Match match;
     for (uint32_t i = 0; i < repeats->count; ++i) {
         const Pattern *pattern = &repeats->patterns[repeats->order[i]];
-        if (!is_match(p, pattern, &match)) {
+        if (!is_match(p, pattern, p->lexer.begin + p->token.begin, &match)) {
             continue;
         }
         if (pass_text(p, match.end)) {
             fill_nodes(p->ast, pattern, &match);
             *found = pattern->item;
-            move_to_front(repeats, i);
+            move_to_front(repeats->order, i);
         }
         return;
     }
@@ -336,4 +335,68 @@ AstId parser_repeat_item(Parser *p)
         return 0;
     }
     return found;
+}
+
+// --- Repeating ahead -----------------------------------------------------------------------------
+
+RepeatRun parser_run(const Parser *p)
+{
+    RepeatRun run = {.at = p->lexer.begin + p->token.begin, .end = p->lexer.end};
+    memcpy(run.order, p->repeats->order, sizeof run.order);
+    return run;
+}
+
+const char *parser_find_repeat(const Parser *p, const char *from)
+{
+    const Repeats *repeats = p->repeats;
+    const Pattern *pattern = &repeats->patterns[repeats->order[0]];
+    const char *text = p->lexer.begin + pattern->begin, *end = p->lexer.end;
+    while (from < end) {
+        const char *line = memchr(from, '\n', (size_t)(end - from));
+        if (!line || match_piece(line + 1, end, text, pattern->holes[0].begin)) {
+            return line ? line + 1 : NULL;
+        }
+        from = line + 1;
+    }
+    return NULL;
+}
+
+// Whether a statement may end before `next`, and another begin there: what would go on with it
+// is no name, but for `with`.
+static bool is_border(const Parser *p, const char *next)
+{
+    static const char with[] = "with";
+    const size_t length = sizeof with - 1;
+    return next == p->lexer.end ||
+           (char_is(*next, CHAR_LETTER) &&
+            ((size_t)(p->lexer.end - next) < length || memcmp(next, with, length) != 0));
+}
+
+AstId parser_run_item(const Parser *p, RepeatRun *run, Ast *ast)
+{
+    const Repeats *repeats = p->repeats;
+    Match match;
+    for (uint32_t i = 0; i < repeats->count; ++i) {
+        const Pattern *pattern = &repeats->patterns[run->order[i]];
+        if (!is_match(p, pattern, run->at, &match)) {
+            continue;
+        }
+        const char *next = lexer_next_begin(match.end, p->lexer.end);
+        if (!is_border(p, next)) {
+            return 0;
+        }
+        run->behind = match.end;
+        run->at = next;
+        fill_nodes(ast, pattern, &match);
+        move_to_front(run->order, i);
+        return pattern->item;
+    }
+    return 0;
+}
+
+void parser_pass_run(Parser *p, const RepeatRun *run)
+{
+    p->previous_end = lexer_offset(&p->lexer, run->behind);
+    p->lexer.at = run->behind;
+    lexer_next(&p->lexer, &p->token);
 }
