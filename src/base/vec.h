@@ -102,6 +102,15 @@ static inline double smaller(double a, double b)
 {
     return a < b ? a : b;
 }
+// fmin and fmax without the call: a NaN gives way.
+static inline double lesser(double a, double b)
+{
+    return b < a || a != a ? b : a;
+}
+static inline double greater(double a, double b)
+{
+    return b > a || a != a ? b : a;
+}
 static inline double max_component(Vec3 a)
 {
     return larger(larger(a.x, a.y), a.z);
@@ -236,14 +245,15 @@ static inline Box3 box3_empty(void)
 }
 static inline Box3 box3_add(Box3 b, Vec3 p)
 {
-    return (Box3){{fmin(b.min.x, p.x), fmin(b.min.y, p.y), fmin(b.min.z, p.z)},
-                  {fmax(b.max.x, p.x), fmax(b.max.y, p.y), fmax(b.max.z, p.z)}};
+    return (Box3){{lesser(b.min.x, p.x), lesser(b.min.y, p.y), lesser(b.min.z, p.z)},
+                  {greater(b.max.x, p.x), greater(b.max.y, p.y), greater(b.max.z, p.z)}};
 }
 static inline Box3 box3_union(Box3 a, Box3 b)
 {
     // Not the corners of b one by one: those of an empty box are infinite on the wrong sides.
-    return (Box3){{fmin(a.min.x, b.min.x), fmin(a.min.y, b.min.y), fmin(a.min.z, b.min.z)},
-                  {fmax(a.max.x, b.max.x), fmax(a.max.y, b.max.y), fmax(a.max.z, b.max.z)}};
+    return (Box3){
+        {lesser(a.min.x, b.min.x), lesser(a.min.y, b.min.y), lesser(a.min.z, b.min.z)},
+        {greater(a.max.x, b.max.x), greater(a.max.y, b.max.y), greater(a.max.z, b.max.z)}};
 }
 static inline bool box3_is_empty(Box3 b)
 {

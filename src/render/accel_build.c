@@ -390,9 +390,9 @@ static bool build_alone(Accel *accel)
     return ok;
 }
 
-static bool build_all(Accel *accel, unsigned wanted)
+static bool build_all(Accel *accel)
 {
-    const unsigned threads = build_threads(accel, wanted);
+    const unsigned threads = build_threads(accel, accel->threads);
     if (threads == 1) {
         return build_alone(accel);
     }
@@ -410,8 +410,9 @@ Accel *accel_build(const Scene *scene, unsigned threads)
         return NULL;
     }
     accel->scene = scene;
+    accel->threads = threads ? threads : thread_processor_count();
     if (!accel_collect(accel) || !accel_keep_maps(accel) || !accel_tabulate(accel) ||
-        !build_all(accel, threads ? threads : thread_processor_count())) {
+        !build_all(accel)) {
         accel_free(accel);
         return NULL;
     }

@@ -1,4 +1,5 @@
 // Sorts the scene's shapes into groups and decides how each is held; see accel_parts.h.
+#include "base/thread.h"
 #include "render/accel_parts.h"
 #include "render/geometry.h"
 #include "render/shapes/mesh.h"
@@ -27,6 +28,17 @@ Box3 accel_instance_box(const Accel *accel, uint32_t instance)
                               : transform_box(&accel->scene->transforms.items[it->transform], box);
 }
 
+// nextafterf(x, INFINITY), of which a million boxes need twelve each. `x` is finite.
+static float float_above(float x)
+{
+    uint32_t bits;
+    x += 0; // never -0
+    memcpy(&bits, &x, sizeof bits);
+    bits += x < 0 ? UINT32_MAX : 1;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
 bool accel_float_box(const AccelGroup *group, Box3 box, float lower[3], float upper[3])
 {
     if (box3_is_empty(box) || !box_is_finite(box)) {
@@ -36,8 +48,8 @@ bool accel_float_box(const AccelGroup *group, Box3 box, float lower[3], float up
         double center = vec3_get(group->center, axis);
         double low = (vec3_get(box.min, axis) - center) / group->scale;
         double high = (vec3_get(box.max, axis) - center) / group->scale;
-        lower[axis] = nextafterf((float)(low - BOX_MARGIN), -INFINITY);
-        upper[axis] = nextafterf((float)(high + BOX_MARGIN), INFINITY);
+        lower[axis] = -float_above(-(float)(low - BOX_MARGIN));
+        upper[axis] = float_above((float)(high + BOX_MARGIN));
     }
     return true;
 }
@@ -77,11 +89,18 @@ static void sort_ids(const Scene *scene, ShapeKey *key, uint32_t key_count, cons
     for (uint32_t i = 0; i < count; ++i) {
         ++starts[key(scene, ids ? ids[i] : i)];
     }
-    uint32_t sum = 0;
+    uint32_t sum = 0, used = 0;
     for (uint32_t k = 0; k <= key_count; ++k) {
         uint32_t here = starts[k];
+        used += here > 0;
         starts[k] = sum;
         sum += here;
+    }
+    for (uint32_t i = 0; used == 1 && i < count; ++i) {
+        out[i] = ids ? ids[i] : i;
+    }
+    if (used == 1) {
+        return;
     }
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t id = ids ? ids[i] : i;
@@ -271,17 +290,71 @@ static Box3 bounded_box(const Scene *scene, const SceneNode *node, AccelIssues *
     return box3_empty();
 }
 
-static Box3 shapes_box(const Scene *scene, const uint32_t *ids, uint32_t count, AccelIssues *issues)
+// --- All boxes ----------------------------------------------------------------------------------
+// A million shapes are looked at in pieces, by threads; what comes out of them all doesn't depend
+// on how.
+
+enum { PIECE = 1 << 14 };
+
+typedef struct Boxes {
+    const Accel *accel;
+    const uint32_t *ids; // shapes; NULL: the instances
+    uint32_t count;
+    AccelIssues *issues;
+    pthread_mutex_t mutex;
+    Box3 all;
+} Boxes;
+
+static Box3 finite_instance_box(const Accel *accel, uint32_t instance, AccelIssues *issues)
 {
+    const Box3 box = accel_instance_box(accel, instance);
+    if (box3_is_empty(box) || box_is_finite(box)) {
+        return box;
+    }
+    ++issues->not_finite;
+    return box3_empty();
+}
+
+static void add_boxes(void *context, uint64_t piece, unsigned worker)
+{
+    (void)worker;
+    Boxes *boxes = context;
+    const Scene *scene = boxes->accel->scene;
+    const uint32_t begin = (uint32_t)piece * PIECE;
+    const uint32_t end = boxes->count - begin > PIECE ? begin + PIECE : boxes->count;
     Box3 all = box3_empty();
-    for (uint32_t i = 0; i < count; ++i) {
-        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, ids[i]);
-        const Box3 box = bounded_box(scene, node, issues);
+    AccelIssues issues = {0, 0};
+    for (uint32_t i = begin; i < end; ++i) {
+        const Box3 box =
+            boxes->ids
+                ? bounded_box(scene, scene_node(scene, CATEGORY_SHAPE, boxes->ids[i]), &issues)
+                : finite_instance_box(boxes->accel, i, &issues);
         if (!box3_is_empty(box)) {
             all = box3_union(all, box);
         }
     }
-    return all;
+    pthread_mutex_lock(&boxes->mutex);
+    boxes->all = box3_union(boxes->all, all);
+    boxes->issues->not_finite += issues.not_finite;
+    pthread_mutex_unlock(&boxes->mutex);
+}
+
+static uint32_t piece_count(uint32_t count)
+{
+    return count / PIECE + (count % PIECE != 0);
+}
+
+// The box of all shapes, or (ids NULL) of all instances.
+static Box3 all_boxes(const Accel *accel, const uint32_t *ids, uint32_t count, AccelIssues *issues)
+{
+    Boxes boxes = {.accel = accel,
+                   .ids = ids,
+                   .count = count,
+                   .issues = issues,
+                   .mutex = PTHREAD_MUTEX_INITIALIZER,
+                   .all = box3_empty()};
+    parallel_for(piece_count(count), accel->threads, add_boxes, &boxes, NULL);
+    return boxes.all;
 }
 
 // --- Outliers -----------------------------------------------------------------------------------
@@ -339,18 +412,44 @@ static int reach_exponent(Box3 box, Vec3 middle)
                                                    : exponent + EXPONENT_ZERO;
 }
 
-// Brings the shapes of the largest scale to the front and returns how many they are; `count` where
-// there is but one scale. *instances: whether the world's instances belong to the smaller scale.
-static uint32_t split_outliers(const Scene *scene, uint32_t *ids, uint32_t count,
-                               Box3 instances_box, bool *instances)
+typedef struct Reaches {
+    const Scene *scene;
+    const uint32_t *ids;
+    uint32_t count;
+    Vec3 middle;
+    _Atomic uint32_t histogram[EXPONENTS];
+} Reaches;
+
+static void add_reaches(void *context, uint64_t piece, unsigned worker)
 {
-    const Vec3 middle = median_middle(scene, ids, count);
+    (void)worker;
+    Reaches *all = context;
+    const uint32_t begin = (uint32_t)piece * PIECE;
+    const uint32_t end = all->count - begin > PIECE ? begin + PIECE : all->count;
     uint32_t histogram[EXPONENTS] = {0};
     AccelIssues ignored = {0, 0};
-    for (uint32_t i = 0; i < count; ++i) {
-        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, ids[i]);
-        ++histogram[reach_exponent(bounded_box(scene, node, &ignored), middle)];
+    for (uint32_t i = begin; i < end; ++i) {
+        const SceneNode *node = scene_node(all->scene, CATEGORY_SHAPE, all->ids[i]);
+        ++histogram[reach_exponent(bounded_box(all->scene, node, &ignored), all->middle)];
     }
+    for (int i = 0; i < EXPONENTS; ++i) {
+        if (histogram[i]) {
+            atomic_fetch_add_explicit(&all->histogram[i], histogram[i], memory_order_relaxed);
+        }
+    }
+}
+
+// Brings the shapes of the largest scale to the front and returns how many they are; `count` where
+// there is but one scale. *instances: whether the world's instances belong to the smaller scale.
+static uint32_t split_outliers(const Accel *accel, uint32_t *ids, uint32_t count,
+                               Box3 instances_box, bool *instances)
+{
+    const Scene *scene = accel->scene;
+    const Vec3 middle = median_middle(scene, ids, count);
+    Reaches reaches = {.scene = scene, .ids = ids, .count = count, .middle = middle};
+    _Atomic uint32_t *histogram = reaches.histogram;
+    AccelIssues ignored = {0, 0};
+    parallel_for(piece_count(count), accel->threads, add_reaches, &reaches, NULL);
     const int instance_exponent = reach_exponent(instances_box, middle);
     histogram[instance_exponent] += !box3_is_empty(instances_box);
     int top = EXPONENTS - 1, below;
@@ -428,14 +527,14 @@ static bool collect_group(Collector *c, AccelGroup *group, uint32_t prototype, u
 {
     // What isn't finite is counted once.
     AccelIssues ignored = {0, 0}, *issues = nested ? &ignored : &c->accel->issues;
-    Box3 box = shapes_box(c->scene, ids, count, issues);
+    Box3 box = all_boxes(c->accel, ids, count, issues);
     if (!box3_is_empty(instances)) {
         box = box3_union(box, instances);
     }
     group_set_bounds(group, box);
     bool inside = false;
     const uint32_t outer =
-        nested < MOST_NESTED ? split_outliers(c->scene, ids, count, instances, &inside) : count;
+        nested < MOST_NESTED ? split_outliers(c->accel, ids, count, instances, &inside) : count;
     uint32_t number = 0;
     if (outer < count || inside) {
         AccelGroup inner = {.accel = c->accel};
@@ -477,24 +576,6 @@ static bool spread_unbounded(Collector *c)
     return ok;
 }
 
-// The box of the world's instances; those that aren't finite are counted.
-static Box3 instances_box(Accel *accel)
-{
-    Box3 all = box3_empty();
-    for (size_t i = 0; i < accel->scene->instances.count; ++i) {
-        Box3 box = accel_instance_box(accel, (uint32_t)i);
-        if (box3_is_empty(box)) {
-            continue;
-        }
-        if (box_is_finite(box)) {
-            all = box3_union(all, box);
-        } else {
-            ++accel->issues.not_finite;
-        }
-    }
-    return all;
-}
-
 // Joins the pockets to the groups, and tells every part where it belongs.
 static bool join_groups(Collector *c)
 {
@@ -528,7 +609,9 @@ static bool collect_all(Collector *c, uint32_t *starts)
     // The world last, since its box has those of the instances.
     for (uint32_t left = prototypes; left-- > 0;) {
         uint32_t *ids = accel->order + starts[left], size = starts[left + 1] - starts[left];
-        const Box3 instances = left == 0 ? instances_box(accel) : box3_empty();
+        const Box3 instances =
+            left == 0 ? all_boxes(accel, NULL, (uint32_t)scene->instances.count, &accel->issues)
+                      : box3_empty();
         if (!collect_group(c, &accel->groups[left], left, ids, size, instances, 0)) {
             return false;
         }

@@ -167,6 +167,7 @@ typedef struct AccelUnbounded {
 
 struct Accel {
     const Scene *scene;
+    unsigned threads; // that build
     void *device;   // RTCDevice; NULL: that of all small scenes
     SpaceMap *maps; // of the first map_count of the scene's transforms
     size_t map_count;

@@ -126,8 +126,9 @@ static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, Aov
 
 // Adds samples [from, to) of this renderer to *sums; returns where it got before a stop.
 static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, uint32_t to,
-                             PixelSums *sums, IntegratorStats *stats)
+                             PixelSums *sums, TileCount *count)
 {
+    IntegratorStats *stats = &count->rays;
     const bool aovs = site->stream->aovs != NULL;
     for (; from < to && !renderer_stopped(r); ++from) {
         const uint32_t number = r->film.first_sample + from;
@@ -138,7 +139,8 @@ static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, uint3
         } else {
             film_pixel_add(&sums->color, take_sample(r, site, number, NULL, stats));
         }
-        if (from % TICK_SAMPLES == 0) {
+        if (++count->unseen == TICK_SAMPLES) {
+            count->unseen = 0;
             renderer_tick(r);
         }
     }
@@ -160,14 +162,14 @@ static void keep_block(Film *film, const Site *site, uint32_t block, const Pixel
 }
 
 // The first block grows in the pixel itself, pass by pass.
-static bool extend_first_block(Renderer *r, const Site *site, uint32_t end, IntegratorStats *stats)
+static bool extend_first_block(Renderer *r, const Site *site, uint32_t end, TileCount *count)
 {
     const PixelStream *stream = site->stream;
     PixelSums sums = {.color = stream->pixels[site->at]};
     if (stream->aovs) {
         sums.aov = stream->aovs[site->at];
     }
-    const bool whole = take_samples(r, site, sums.color.samples, end, &sums, stats) == end;
+    const bool whole = take_samples(r, site, sums.color.samples, end, &sums, count) == end;
     stream->pixels[site->at] = sums.color;
     if (stream->aovs) {
         stream->aovs[site->at] = sums.aov;
@@ -178,12 +180,12 @@ static bool extend_first_block(Renderer *r, const Site *site, uint32_t end, Inte
 
 // Further blocks are summed apart and then added; one that a stop cuts short is dropped, to be
 // rendered again.
-static bool add_block(Renderer *r, const Site *site, uint32_t end, IntegratorStats *stats)
+static bool add_block(Renderer *r, const Site *site, uint32_t end, TileCount *count)
 {
     const PixelStream *stream = site->stream;
     PixelSums sums = {.color = {.samples = 0}};
     const uint32_t begin = stream->pixels[site->at].samples;
-    if (take_samples(r, site, begin, end, &sums, stats) != end) {
+    if (take_samples(r, site, begin, end, &sums, count) != end) {
         return false;
     }
     film_pixel_join(&stream->pixels[site->at], &sums.color);
@@ -203,8 +205,8 @@ bool pixel_render(Renderer *r, const PixelStream *stream, uint32_t x, uint32_t y
         const uint32_t before = pixel->samples;
         const uint32_t block_end = (before / SAMPLE_BLOCK + 1) * SAMPLE_BLOCK;
         const uint32_t end = block_end < r->target ? block_end : r->target;
-        whole = before < SAMPLE_BLOCK ? extend_first_block(r, &site, end, &count->rays)
-                                      : add_block(r, &site, end, &count->rays);
+        whole = before < SAMPLE_BLOCK ? extend_first_block(r, &site, end, count)
+                                      : add_block(r, &site, end, count);
         count->samples += pixel->samples - before;
     }
     return whole;

@@ -56,6 +56,7 @@ void renderer_tick(Renderer *r);
 typedef struct TileCount {
     IntegratorStats rays;
     uint64_t samples;
+    uint32_t unseen; // samples since the last look at the clock
 } TileCount;
 
 // Sums that grow by samples of one seed: the film's own, or a stream of adaptive sampling.
