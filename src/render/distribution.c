@@ -1,5 +1,7 @@
 #include "render/distribution.h"
 
+#include "base/vec.h"
+
 #include <math.h>
 
 // Moves the excess of rich slots to poor ones until every slot holds one item and at most one
@@ -76,7 +78,22 @@ bool grid_allocate(Grid *grid, Arena *arena, uint32_t width, uint32_t height)
     size_t per_row = (size_t)width + 1;
     grid->rows = arena_array(arena, (size_t)height + 1, sizeof *grid->rows);
     grid->cells = arena_array(arena, height, per_row * sizeof *grid->cells);
-    return grid->rows && grid->cells;
+    grid->row_guide = arena_array(arena, height, sizeof *grid->row_guide);
+    grid->cell_guide = arena_array(arena, height, width * sizeof *grid->cell_guide);
+    return grid->rows && grid->cells && grid->row_guide && grid->cell_guide;
+}
+
+// guide[k] is the interval that k / count falls into, or one before.
+static void fill_guide(const double *sums, uint32_t count, uint32_t *guide)
+{
+    uint32_t i = 0;
+    for (uint32_t k = 0; k < count; ++k) {
+        const double at = (double)k / count * sums[count];
+        while (i + 1 < count && sums[i + 1] <= at) {
+            ++i;
+        }
+        guide[k] = i;
+    }
 }
 
 void grid_sum(Grid *grid)
@@ -90,33 +107,28 @@ void grid_sum(Grid *grid)
             row[x + 1] += row[x];
         }
         grid->rows[y + 1] = grid->rows[y] + row[grid->width];
+        fill_guide(row, grid->width, grid->cell_guide + (size_t)y * grid->width);
     }
+    fill_guide(grid->rows, grid->height, grid->row_guide);
 }
 
-// The interval of the cumulative sums that `at` (below the last sum) falls into: never an empty
-// one.
-static uint32_t bisect(const double *sums, uint32_t count, double at)
-{
-    uint32_t low = 0, high = count; // sums[low] <= at < sums[high]
-    while (high - low > 1) {
-        uint32_t middle = low + (high - low) / 2;
-        if (sums[middle] <= at) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
-static uint32_t choose(const double *sums, uint32_t count, double u, double *within)
+// The interval of the cumulative sums that u falls into: never an empty one.
+static uint32_t choose(const double *sums, uint32_t count, const uint32_t *guide, double u,
+                       double *within)
 {
     double at = u * sums[count];
     if (!(at < sums[count])) {
         at = nextafter(sums[count], 0);
     }
-    uint32_t i = bisect(sums, count, at);
-    *within = fmin((at - sums[i]) / (sums[i + 1] - sums[i]), 1 - 0x1p-53);
+    const uint32_t part = (uint32_t)(u * count);
+    uint32_t i = guide[part < count ? part : count - 1];
+    while (i > 0 && sums[i] > at) { // where a part's border was rounded
+        --i;
+    }
+    while (sums[i + 1] <= at) {
+        ++i;
+    }
+    *within = smaller((at - sums[i]) / (sums[i + 1] - sums[i]), 1 - 0x1p-53);
     return i;
 }
 
@@ -126,8 +138,9 @@ bool grid_choose(const Grid *grid, double u, double v, uint32_t *x, uint32_t *y,
     if (!(grid->rows[grid->height] > 0)) {
         return false;
     }
-    *y = choose(grid->rows, grid->height, v, in_y);
-    *x = choose(grid->cells + *y * ((size_t)grid->width + 1), grid->width, u, in_x);
+    *y = choose(grid->rows, grid->height, grid->row_guide, v, in_y);
+    *x = choose(grid->cells + *y * ((size_t)grid->width + 1), grid->width,
+                grid->cell_guide + (size_t)*y * grid->width, u, in_x);
     return true;
 }
 

@@ -23,12 +23,15 @@ bool alias_table_build(AliasTable *table, Arena *arena, const double *weights, u
 // precision of the chances.
 uint32_t alias_table_choose(const AliasTable *table, double u);
 
-// Cells of a grid, row by row: a row by its weight, then a cell in it, both by bisection, so that
-// strata of (u, v) stay strata.
+// Cells of a grid, row by row: a row by its weight, then a cell in it, both by inverting cumulative
+// sums, so that strata of (u, v) stay strata. A guide (Chen and Asau 1974) tells where among n sums
+// to begin for each n-th part of [0, 1), and from there it is one step on average.
 typedef struct Grid {
     uint32_t width, height;
-    double *cells; // height rows of width + 1 cumulative weights, from 0
-    double *rows;  // height + 1 cumulative weights of rows
+    double *cells;        // height rows of width + 1 cumulative weights, from 0
+    double *rows;         // height + 1 cumulative weights of rows
+    uint32_t *cell_guide; // height rows of width
+    uint32_t *row_guide;  // height
 } Grid;
 
 // False when memory runs out or the sizes overflow. Fill grid->cells[y (width + 1) + x + 1] with

@@ -87,8 +87,9 @@ struct LightClass {
                  const Surface *hit);
     // The radiance seen at `hit`, on this light, by a ray. NULL where a ray can't hit it.
     Rgb (*emitted)(const struct World *world, const Light *light, const Surface *hit);
-    // The radiance along a ray that leaves the scene. NULL unless infinite.
-    Rgb (*escaped)(const struct World *world, const Light *light, Vec3 direction);
+    // The radiance along a ray that leaves the scene; and in *pdf (unless that is NULL) what pdf
+    // says of its direction. NULL unless infinite.
+    Rgb (*escaped)(const struct World *world, const Light *light, Vec3 direction, float *pdf);
 };
 
 // All lights of the world, and the tables for choosing. NULL after a report. `arena` keeps them.

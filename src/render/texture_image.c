@@ -32,6 +32,18 @@ static Rgb texel(const TextureImage *image, int x, int y)
                           : image->texels[(size_t)y * (size_t)image->width + (size_t)x];
 }
 
+// The two texels beside x, and how far x lies from the first to the second.
+static inline void neighbours(double x, int size, TextureWrap wrap, int *first, int *second,
+                              float *part)
+{
+    const double from = x - 0.5;
+    const bool inside = from >= 0 && from < size - 1; // then all ways of wrapping agree
+    const double whole = inside ? (double)(int)from : floor(from);
+    *part = (float)(from - whole);
+    *first = inside ? (int)from : wrap_index(whole, size, wrap);
+    *second = inside ? (int)from + 1 : wrap_index(whole + 1, size, wrap);
+}
+
 Rgb texture_image_look_up(const TextureImage *image, double u, double v, TextureFilter filter,
                           TextureWrap wrap_u, TextureWrap wrap_v)
 {
@@ -43,12 +55,10 @@ Rgb texture_image_look_up(const TextureImage *image, double u, double v, Texture
         return texel(image, wrap_index(floor(x), image->width, wrap_u),
                      wrap_index(floor(y), image->height, wrap_v));
     }
-    double x0 = floor(x - 0.5), y0 = floor(y - 0.5);
-    float fx = (float)(x - 0.5 - x0), fy = (float)(y - 0.5 - y0);
-    int left = wrap_index(x0, image->width, wrap_u);
-    int right = wrap_index(x0 + 1, image->width, wrap_u);
-    int top = wrap_index(y0, image->height, wrap_v);
-    int bottom = wrap_index(y0 + 1, image->height, wrap_v);
+    int left, right, top, bottom;
+    float fx, fy;
+    neighbours(x, image->width, wrap_u, &left, &right, &fx);
+    neighbours(y, image->height, wrap_v, &top, &bottom, &fy);
     Rgb upper = rgb_add(rgb_scale(texel(image, left, top), 1 - fx),
                         rgb_scale(texel(image, right, top), fx));
     Rgb lower = rgb_add(rgb_scale(texel(image, left, bottom), 1 - fx),

@@ -241,7 +241,7 @@ static void sample_material(const Receiver *r, Vec3 u, size_t count, double weig
     const uint32_t *infinite = light_set_infinite(world->lights, &infinite_count);
     for (uint32_t i = 0; i < infinite_count; ++i) {
         const Light *light = light_set_get(world->lights, infinite[i]);
-        const Rgb found = rgb_mul(s.weight, light->class->escaped(world, light, direction));
+        const Rgb found = rgb_mul(s.weight, light->class->escaped(world, light, direction, NULL));
         const float part = hit_part(r, infinite[i], direction, NULL, &s, count);
         effects[infinite[i]].radiance += finite_luminance(found, (double)part * weight);
     }
@@ -323,7 +323,7 @@ static void add_surroundings(const Seen *seen, cJSON *json)
     for (uint32_t i = 0; seen->has_ray && i < count && i < LISTED_LIGHTS; ++i) {
         const Light *light = light_set_get(seen->world->lights, infinite[i]);
         Rgb radiance = light->class->escaped
-                           ? light->class->escaped(seen->world, light, seen->ray.direction)
+                           ? light->class->escaped(seen->world, light, seen->ray.direction, NULL)
                            : rgb_gray(0);
         if (!rgb_is_black(radiance)) {
             cJSON_AddItemToArray(list, light_json(seen, infinite[i]));

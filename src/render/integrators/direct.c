@@ -246,7 +246,7 @@ static void add_hit_lights(Tree *tree, Scattered *scattered)
     const uint32_t *infinite = light_set_infinite(world->lights, &count);
     for (uint32_t i = 0; i < count; ++i) {
         const Light *light = light_set_get(world->lights, infinite[i]);
-        Rgb radiance = light->class->escaped(world, light, branch->ray.direction);
+        Rgb radiance = light->class->escaped(world, light, branch->ray.direction, NULL);
         add_found(tree, scattered, infinite[i], radiance, NULL);
     }
 }

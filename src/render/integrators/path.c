@@ -105,9 +105,11 @@ static void add_escaped(Path *path, Vec3 direction)
     const uint32_t *infinite = light_set_infinite(world->lights, &count);
     for (uint32_t i = 0; i < count; ++i) {
         const Light *light = light_set_get(world->lights, infinite[i]);
-        Rgb radiance = light->class->escaped(world, light, direction);
-        float pdf = hit_light_pdf(path, infinite[i], direction, NULL);
-        add_radiance(path, radiance, hit_weight(path, pdf));
+        float chance =
+            path->certain ? 0 : light_chance(world->lights, &path->receiver, infinite[i]);
+        float pdf = 0;
+        Rgb radiance = light->class->escaped(world, light, direction, chance > 0 ? &pdf : NULL);
+        add_radiance(path, radiance, hit_weight(path, chance * pdf));
     }
 }
 

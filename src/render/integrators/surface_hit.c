@@ -87,7 +87,7 @@ Rgb world_escaped(const World *world, Vec3 direction)
     Rgb sum = rgb_gray(0);
     for (uint32_t i = 0; i < count; ++i) {
         const Light *light = light_set_get(world->lights, infinite[i]);
-        sum = rgb_add(sum, light->class->escaped(world, light, direction));
+        sum = rgb_add(sum, light->class->escaped(world, light, direction, NULL));
     }
     return sum;
 }

@@ -131,10 +131,12 @@ static float pdf(const World *world, const Light *light, Vec3 reference, Vec3 di
     return in_disc(light, direction) ? (float)(1 / (2 * PI * data->rise)) : 0;
 }
 
-static Rgb escaped(const World *world, const Light *light, Vec3 direction)
+static Rgb escaped(const World *world, const Light *light, Vec3 direction, float *pdf_out)
 {
-    (void)world;
     const DirectionalData *data = light->data;
+    if (pdf_out) {
+        *pdf_out = pdf(world, light, vec3(0, 0, 0), direction, NULL);
+    }
     return in_disc(light, direction) ? data->radiance : rgb_gray(0);
 }
 

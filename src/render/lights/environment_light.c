@@ -67,9 +67,12 @@ enum { TEXTURE_WIDTH = 1024, TEXTURE_HEIGHT = 512, MAX_GRID = 2048 };
 typedef struct EnvironmentData {
     const TextureImage *image; // NULL: constant, or a texture
     uint32_t texture;
+    bool even; // constant
     Rgb strength;
     Affine to_world, to_local; // rotations
     Grid grid;
+    double *row_cosines; // grid.height + 1: of the rows' borders, from the top
+    double *row_pdfs;    // grid.height: 1 / (solid angle of a cell * the grid's total)
 } EnvironmentData;
 
 // Only rotations (with uniform scaling, which means nothing here) keep solid angles.
@@ -95,7 +98,7 @@ static bool rotation_part(const Affine *a, Affine *out)
 static Vec2 direction_to_uv(Vec3 d)
 {
     double u = 0.5 + atan2(d.x, -d.z) / (2 * PI);
-    return (Vec2){u < 1 ? u : 0, 1 - acos(fmin(fmax(d.y, -1), 1)) / PI};
+    return (Vec2){u < 1 ? u : 0, 1 - acos(smaller(larger(d.y, -1), 1)) / PI};
 }
 
 static Rgb clamp_positive(Rgb c)
@@ -116,10 +119,16 @@ static Rgb radiance_at(const World *world, const EnvironmentData *data, Vec2 uv)
     return clamp_positive(rgb_mul(value, data->strength));
 }
 
-static double cell_solid_angle(const Grid *grid, uint32_t y)
+static double cell_solid_angle(const EnvironmentData *data, uint32_t y)
 {
-    double top = PI * y / grid->height, bottom = PI * (y + 1) / grid->height;
-    return 2 * PI / grid->width * (cos(top) - cos(bottom));
+    return 2 * PI / data->grid.width * (data->row_cosines[y] - data->row_cosines[y + 1]);
+}
+
+// The density of directions in a cell.
+static float cell_pdf(const EnvironmentData *data, uint32_t x, uint32_t y)
+{
+    const double *row = data->grid.cells + y * ((size_t)data->grid.width + 1);
+    return (float)((row[x + 1] - row[x]) * data->row_pdfs[y]);
 }
 
 // How many texels a cell has along one axis: the smallest divisor of `size` that leaves at most
@@ -177,7 +186,7 @@ static double fill_grid(const World *world, EnvironmentData *data, int nx, int n
     double total = 0;
     for (uint32_t y = 0; y < grid->height; ++y) {
         double *row = grid->cells + y * ((size_t)grid->width + 1) + 1;
-        double solid_angle = cell_solid_angle(grid, y);
+        double solid_angle = cell_solid_angle(data, y);
         for (uint32_t x = 0; x < grid->width; ++x) {
             double value = data->image                ? image_cell(data, (int)x, (int)y, nx, ny)
                            : data->texture != NONE_ID ? texture_cell(world, data, x, y)
@@ -189,12 +198,29 @@ static double fill_grid(const World *world, EnvironmentData *data, int nx, int n
     return total;
 }
 
-static void lift_grid(Grid *grid, double mean)
+static void lift_grid(EnvironmentData *data, double mean)
 {
+    Grid *grid = &data->grid;
     for (uint32_t y = 0; y < grid->height; ++y) {
         double *row = grid->cells + y * ((size_t)grid->width + 1) + 1;
         for (uint32_t x = 0; x < grid->width; ++x) {
-            row[x] += 0.1 * mean * cell_solid_angle(grid, y);
+            row[x] += 0.1 * mean * cell_solid_angle(data, y);
+        }
+    }
+}
+
+// Of what is about as bright as the mean, rays scattered by surfaces find enough by chance: lights
+// are sampled the more where it is brighter (Karlík et al. 2019, "MIS Compensation: Optimizing
+// Sampling Techniques in Multiple Importance Sampling"). Unlike there no cell is left out, so that
+// the density needs no other beside it.
+static void compensate(EnvironmentData *data, double mean)
+{
+    Grid *grid = &data->grid;
+    for (uint32_t y = 0; y < grid->height; ++y) {
+        double *row = grid->cells + y * ((size_t)grid->width + 1) + 1;
+        const double common = mean * cell_solid_angle(data, y);
+        for (uint32_t x = 0; x < grid->width; ++x) {
+            row[x] = larger(row[x] - common, 0.05 * row[x]);
         }
     }
 }
@@ -212,14 +238,27 @@ static bool make_tables(const LightPrepare *prepare, EnvironmentData *data)
         width = TEXTURE_WIDTH;
         height = TEXTURE_HEIGHT;
     }
-    if (!grid_allocate(&data->grid, prepare->arena, width, height)) {
+    data->row_cosines = arena_array(prepare->arena, height + 1, sizeof *data->row_cosines);
+    data->row_pdfs = arena_array(prepare->arena, height, sizeof *data->row_pdfs);
+    if (!data->row_cosines || !data->row_pdfs ||
+        !grid_allocate(&data->grid, prepare->arena, width, height)) {
         return false;
+    }
+    for (uint32_t y = 0; y <= height; ++y) {
+        data->row_cosines[y] = cos(PI * y / height);
     }
     double total = fill_grid(prepare->world, data, nx, ny);
     if (!data->image && data->texture != NONE_ID) {
-        lift_grid(&data->grid, total / (4 * PI));
+        lift_grid(data, total / (4 * PI));
+    }
+    if (prepare->world->sampling == SAMPLING_MIS) {
+        compensate(data, total / (4 * PI));
     }
     grid_sum(&data->grid);
+    const double weight = data->grid.rows[height];
+    for (uint32_t y = 0; y < height; ++y) {
+        data->row_pdfs[y] = weight > 0 ? 1 / (cell_solid_angle(data, y) * weight) : 0;
+    }
     double radius = world_radius(prepare->world);
     // The flux through the scene's largest section, from everywhere.
     prepare->light->power = total * PI * radius * radius;
@@ -257,6 +296,7 @@ static bool prepare(const LightPrepare *prepare)
             return false;
         }
     }
+    data->even = !data->image && data->texture == NONE_ID;
     return make_tables(prepare, data);
 }
 
@@ -271,16 +311,30 @@ static bool sample(const World *world, const Light *light, Vec3 reference, doubl
     if (!grid_choose(grid, u0, u1, &x, &y, &in_x, &in_y)) {
         return false;
     }
-    double top = cos(PI * y / grid->height), bottom = cos(PI * (y + 1) / grid->height);
-    double cos_theta = top + (bottom - top) * in_y;
-    double sin_theta = sqrt(fmax(0, 1 - cos_theta * cos_theta));
-    double u = (x + in_x) / grid->width, phi = 2 * PI * (u - 0.5);
-    Vec3 local = vec3(sin_theta * sin(phi), cos_theta, -sin_theta * cos(phi));
-    *out = (LightSample){.direction = transform_vector(&data->to_world, local),
-                         .distance = INFINITY,
-                         .value = radiance_at(world, data, (Vec2){u, 1 - acos(cos_theta) / PI}),
-                         .pdf = (float)(grid_chance(grid, x, y) / cell_solid_angle(grid, y))};
+    const double top = data->row_cosines[y], bottom = data->row_cosines[y + 1];
+    const double cos_theta = top + (bottom - top) * in_y;
+    const double sin_theta = sqrt(larger(0, 1 - cos_theta * cos_theta));
+    const double u = (x + in_x) / grid->width, phi = 2 * PI * (u - 0.5);
+    const Vec3 local = vec3(sin_theta * sin(phi), cos_theta, -sin_theta * cos(phi));
+    out->direction = transform_vector(&data->to_world, local);
+    out->distance = INFINITY;
+    out->point = vec3(0, 0, 0);
+    out->error = 0;
+    out->target = 0;
+    out->facing = 0;
+    out->value =
+        data->even ? data->strength : radiance_at(world, data, (Vec2){u, 1 - acos(cos_theta) / PI});
+    out->pdf = cell_pdf(data, x, y);
+    out->delta = false;
     return out->pdf > 0;
+}
+
+static float pdf_at(const EnvironmentData *data, Vec2 uv)
+{
+    const Grid *grid = &data->grid;
+    const double x = smaller(uv.x * grid->width, grid->width - 1.0);
+    const double y = smaller((1 - uv.y) * grid->height, grid->height - 1.0);
+    return cell_pdf(data, (uint32_t)x, (uint32_t)y);
 }
 
 static float pdf(const World *world, const Light *light, Vec3 reference, Vec3 direction,
@@ -288,21 +342,20 @@ static float pdf(const World *world, const Light *light, Vec3 reference, Vec3 di
 {
     (void)world, (void)reference, (void)hit;
     const EnvironmentData *data = light->data;
-    const Grid *grid = &data->grid;
-    Vec2 uv = direction_to_uv(transform_vector(&data->to_local, direction));
-    double x = fmin(uv.x * grid->width, grid->width - 1.0);
-    double y = fmin((1 - uv.y) * grid->height, grid->height - 1.0);
-    return (float)(grid_chance(grid, (uint32_t)x, (uint32_t)y) /
-                   cell_solid_angle(grid, (uint32_t)y));
+    return pdf_at(data, direction_to_uv(transform_vector(&data->to_local, direction)));
 }
 
-static Rgb escaped(const World *world, const Light *light, Vec3 direction)
+static Rgb escaped(const World *world, const Light *light, Vec3 direction, float *pdf_out)
 {
     const EnvironmentData *data = light->data;
-    if (!data->image && data->texture == NONE_ID) {
+    if (data->even && !pdf_out) {
         return data->strength;
     }
-    return radiance_at(world, data, direction_to_uv(transform_vector(&data->to_local, direction)));
+    const Vec2 uv = direction_to_uv(transform_vector(&data->to_local, direction));
+    if (pdf_out) {
+        *pdf_out = pdf_at(data, uv);
+    }
+    return data->even ? data->strength : radiance_at(world, data, uv);
 }
 
 const LightClass environment_light_light = {

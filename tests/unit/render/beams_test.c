@@ -284,7 +284,7 @@ static void suns_are_seen_as_discs(void **state)
         observed[ring * SECTORS + sector] += 1;
         if (height < 1 - 1e-6) {
             assert_true(light->class->pdf(world, light, vec3(0, 0, 0), s.direction, NULL) == s.pdf);
-            assert_true(light->class->escaped(world, light, s.direction).g == s.value.g);
+            assert_true(light->class->escaped(world, light, s.direction, NULL).g == s.value.g);
         }
     }
     for (int i = 0; i < RINGS * SECTORS; ++i) {
@@ -293,12 +293,13 @@ static void suns_are_seen_as_discs(void **state)
     assert_true(chi_squared_test(observed, expected, RINGS * SECTORS) > 1e-3);
     for (double angle = 0.005; angle < PI; angle += 0.01) {
         Vec3 d = add(scale(frame.n, cos(angle)), scale(frame.s, sin(angle)));
-        bool inside = light->class->escaped(world, light, d).g > 0;
+        bool inside = light->class->escaped(world, light, d, NULL).g > 0;
         assert_true(inside == (angle < 0.15));
         assert_true((light->class->pdf(world, light, vec3(0, 0, 0), d, NULL) > 0) == inside);
     }
     double radiance = 2 / (PI * pow(sin(0.15), 2));
-    assert_true(fabs((double)light->class->escaped(world, light, frame.n).g / radiance - 1) < 1e-6);
+    assert_true(fabs((double)light->class->escaped(world, light, frame.n, NULL).g / radiance - 1) <
+                1e-6);
     tear_down(&maker, world);
 }
 
