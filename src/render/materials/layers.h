@@ -4,9 +4,9 @@
 //
 // Both are planes of one normal; between them light falls off by Beer and Lambert's law. The BRDF
 // is the expectation of a random walk: an estimate is unbiased but noisy. The walk's random numbers
-// are a hash of the place and of the two directions, in which they are symmetric, and each estimate
-// is the mean of the walks from both ends: at one place the same pair of directions always gives
-// the same value, and the same when they change places.
+// are a hash of the place and of the two directions, in which they are symmetric, and so is the lot
+// from which end it begins: at one place the same pair of directions always gives the same value,
+// and the same when they change places.
 #ifndef RENDER_MATERIALS_LAYERS_H
 #define RENDER_MATERIALS_LAYERS_H
 
