@@ -28,8 +28,13 @@ static void bounds_shape(const struct RTCBoundsFunctionArguments *args)
 {
     const AccelKind *kind = args->geometryUserPtr;
     const Scene *scene = kind->accel->scene;
-    const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, kind->ids[args->primID]);
-    write_bounds(kind->group, accel_shape_box(scene, node), args->bounds_o);
+    const uint32_t end = accel_run_begin(kind, args->primID + 1);
+    Box3 box = box3_empty();
+    for (uint32_t i = accel_run_begin(kind, args->primID); i < end; ++i) {
+        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, kind->ids[i]);
+        box = box3_union(box, accel_shape_box(scene, node));
+    }
+    write_bounds(kind->group, box, args->bounds_o);
 }
 
 static void bounds_pocket(const struct RTCBoundsFunctionArguments *args)
@@ -248,8 +253,9 @@ static bool attach_kinds(Build *b)
             geometry =
                 fill_mesh(kind, pieces, b->issues) ? pieces_geometry(b->device, pieces) : NULL;
         } else {
-            geometry = user_geometry(b->device, kind->count, (void *)(uintptr_t)kind, bounds_shape,
-                                     intersect_shape, occluded_shape);
+            geometry =
+                user_geometry(b->device, accel_primitive_count(kind), (void *)(uintptr_t)kind,
+                              bounds_shape, intersect_shape, occluded_shape);
         }
         if (!attach(group, geometry, GEOMETRY_KINDS + k)) {
             return false;
@@ -331,6 +337,7 @@ static bool group_build(RTCDevice device, AccelGroup *group, AccelIssues *issues
                          flat ? RTC_SCENE_FLAG_ROBUST | SCENE_FLAG_FILTERED : RTC_SCENE_FLAG_NONE);
         if (!flat && is_quick(group)) {
             rtcSetSceneBuildQuality(hierarchy, RTC_BUILD_QUALITY_LOW);
+            accel_make_runs(group);
         }
         ok = attach_table(&b) && attach_kinds(&b) && attach_groups(&b);
     }

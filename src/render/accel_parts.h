@@ -104,6 +104,8 @@ typedef struct AccelKind {
     const char *params;  // scene's table of the kind
     const uint32_t *ids; // shape ids
     uint32_t count;
+    uint32_t *runs; // curved shapes: the first of each run (accel_runs.c), and `count`; NULL: none
+    uint32_t run_count;
     bool native;        // triangles of Embree's: flat shapes, or one mesh
     bool tabled;        // native, and in the table of flat pieces: it has no geometry of its own
     int corners;        // flat shapes: 3 or 4
@@ -112,6 +114,16 @@ typedef struct AccelKind {
     uint32_t first;     // number of the mesh's first triangle among all flat pieces
     double inset;       // FLAT_INSET in the mesh's own space
 } AccelKind;
+
+// The primitives of a kind of curved shapes, and their shapes: from the first to before the end.
+static inline uint32_t accel_primitive_count(const AccelKind *kind)
+{
+    return kind->runs ? kind->run_count : kind->count;
+}
+static inline uint32_t accel_run_begin(const AccelKind *kind, uint32_t primitive)
+{
+    return kind->runs ? kind->runs[primitive] : primitive;
+}
 
 // A flat piece of surface in its group's space: the points corner + s u + t v with s, t,
 // 1 - s - over_s t and 1 - t - over_t s >= 0. over_s = over_t = 0 makes a parallelogram, 1 a
@@ -168,8 +180,8 @@ typedef struct AccelUnbounded {
 struct Accel {
     const Scene *scene;
     unsigned threads; // that build
-    void *device;   // RTCDevice; NULL: that of all small scenes
-    SpaceMap *maps; // of the first map_count of the scene's transforms
+    void *device;     // RTCDevice; NULL: that of all small scenes
+    SpaceMap *maps;   // of the first map_count of the scene's transforms
     size_t map_count;
     AccelGroup *groups; // one for each prototype, then the pockets
     uint32_t group_count;
@@ -205,6 +217,11 @@ static inline Ray accel_shape_ray(const Scene *scene, const SceneNode *node, con
 {
     return node->transform == 0 ? *ray : ray_map(&scene->inverses.items[node->transform], ray);
 }
+
+// Makes runs of the group's curved shapes, where that pays (accel_runs.c). Without memory there are
+// none. Shapes that aren't finite, which Embree leaves out, have to stay alone: then there are
+// none.
+void accel_make_runs(AccelGroup *group);
 
 // --- Flat pieces (accel_flats.c) ----------------------------------------------------------------
 

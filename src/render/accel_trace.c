@@ -253,11 +253,19 @@ void intersect_shape(const struct RTCIntersectFunctionNArguments *args)
     }
     const AccelKind *kind = args->geometryUserPtr;
     Query *q = (Query *)(void *)args->context;
-    uint32_t shape = kind->ids[args->primID];
-    ShapeHit local;
-    const double tmax = query_tmax(q, (const struct RTCRay *)(const void *)args->rayhit);
-    if (shape_hit(kind, shape, q->ray, tmax, &local)) {
-        *q->hit = (Hit){.t = local.t, .shape = shape, .instance = q->instance, .local = local};
+    const uint32_t end = accel_run_begin(kind, args->primID + 1);
+    double tmax = query_tmax(q, (const struct RTCRay *)(const void *)args->rayhit);
+    bool met = false;
+    for (uint32_t i = accel_run_begin(kind, args->primID); i < end; ++i) {
+        const uint32_t shape = kind->ids[i];
+        ShapeHit local;
+        if (shape_hit(kind, shape, q->ray, tmax, &local)) {
+            *q->hit = (Hit){.t = local.t, .shape = shape, .instance = q->instance, .local = local};
+            tmax = local.t;
+            met = true;
+        }
+    }
+    if (met) {
         report_hit(q, args);
     }
 }
@@ -269,8 +277,13 @@ void occluded_shape(const struct RTCOccludedFunctionNArguments *args)
     }
     const AccelKind *kind = args->geometryUserPtr;
     Query *q = (Query *)(void *)args->context;
+    const uint32_t end = accel_run_begin(kind, args->primID + 1);
     ShapeHit local;
-    if (shape_hit(kind, kind->ids[args->primID], q->ray, q->tmax, &local)) {
+    bool met = false;
+    for (uint32_t i = accel_run_begin(kind, args->primID); !met && i < end; ++i) {
+        met = shape_hit(kind, kind->ids[i], q->ray, q->tmax, &local);
+    }
+    if (met) {
         ((struct RTCRay *)(void *)args->ray)->tfar = -INFINITY;
     }
 }

@@ -921,6 +921,19 @@ static void check_many(bool few_pixels)
         assert_int_equal(hit.instance, k & 1 ? number : NONE_ID);
         assert_int_equal(hit.shape, k & 1 ? 0 : number + 1);
     }
+    // Rows of spheres are in runs there, which end with their rows.
+    const AccelKind *spheres = &accel->groups[0].kinds[0];
+    assert_int_equal(spheres->runs != NULL, few_pixels);
+    assert_int_equal(accel_primitive_count(spheres),
+                     few_pixels ? SIDE * ((SIDE + 3) / 4) : SIDE * SIDE);
+    Comparison c = {0, 0, 0};
+    for (int k = 0; k < 200; ++k) {
+        const Vec3 from = random_in_box(&r, accel_bounds(accel));
+        const Ray ray = ray_make(add_scaled(from, vec3(0, 1, 0), k % 8), random_direction(&r), 0,
+                                 k % 3 ? INFINITY : 5);
+        compare_ray(accel, scene, &ray, SIDE, &c);
+    }
+    assert_true(c.hits > 50 && c.parted == 0);
     accel_free(accel);
     scene_drop(scene);
 }
