@@ -56,6 +56,17 @@ typedef struct FilmBox {
 // Where on the film all of a box in the world is seen, by way of the whole lens. False where that
 // can't be told: it reaches behind the camera, or the projection isn't flat.
 bool camera_film_box(const Camera *camera, Box3 bounds, FilmBox *out);
+// How a camera sees a point of the world.
+typedef struct CameraView {
+    double x, y;      // where on the film, as for camera_ray
+    Vec3 from;        // where the ray to the point begins
+    Vec3 direction;   // unit, from the point to there
+    double distance;  // to there
+    double film_area; // of the film, the whole being 1, over the area of a surface at the point
+                      // that faces the camera, m²
+} CameraView;
+// Finds the ray through the lens numbers that leads to the point; false where there is none.
+bool camera_view(const Camera *camera, Vec3 p, float lens_u, float lens_v, CameraView *out);
 // How deep a point of the world lies: along the camera's axis, or (fisheye, panorama) from the
 // camera; in metres of the world.
 double camera_depth(const Camera *camera, Vec3 p);

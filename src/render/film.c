@@ -55,6 +55,12 @@ void film_pixel_add(FilmPixel *pixel, Rgb radiance)
     pixel->samples += 1;
 }
 
+void film_pixel_add_varying(FilmPixel *pixel, Rgb radiance, double variance)
+{
+    film_pixel_add(pixel, radiance);
+    pixel->square_sum += variance;
+}
+
 void film_pixel_join(FilmPixel *pixel, const FilmPixel *block)
 {
     for (int i = 0; i < 3; ++i) {

@@ -72,6 +72,9 @@ static inline size_t film_pixel_count(const Film *film)
 
 // Adds one sample, or the sums of a later block, to a pixel's.
 void film_pixel_add(FilmPixel *pixel, Rgb radiance);
+// The same for one whose luminance has the given variance beside that which the samples' scatter
+// shows.
+void film_pixel_add_varying(FilmPixel *pixel, Rgb radiance, double variance);
 void film_pixel_join(FilmPixel *pixel, const FilmPixel *block);
 void film_aov_add(AovPixel *pixel, const AovSample *sample);
 void film_aov_join(AovPixel *pixel, const AovPixel *block);

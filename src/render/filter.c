@@ -74,3 +74,9 @@ double filter_sample(const PixelFilter *filter, float u)
     const double x = cell * (1.0 / FILTER_CELLS) + (v - filter->mass[cell]) * filter->stretch[cell];
     return (x - 0.5) * filter->width;
 }
+
+double filter_density(const PixelFilter *filter, double offset)
+{
+    const double x = (offset / filter->width + 0.5) * FILTER_CELLS;
+    return x >= 0 && x < FILTER_CELLS ? 1 / (filter->stretch[(int)x] * filter->width) : 0;
+}

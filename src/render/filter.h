@@ -33,5 +33,7 @@ void filter_init(PixelFilter *filter, FilterKind kind, double width);
 double filter_cumulative(FilterKind kind, double x);
 // The offset from the pixel's centre, in pixels, for u in [0, 1).
 double filter_sample(const PixelFilter *filter, float u);
+// The density, over pixels, with which it chooses an offset; not for FILTER_CENTER.
+double filter_density(const PixelFilter *filter, double offset);
 
 #endif

@@ -2,6 +2,7 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
+#include "render/casters.h"
 #include "render/shape.h"
 #include "render/world.h"
 
@@ -10,8 +11,6 @@
 enum { RAYS = 1 << 16, MOST_SCATTERINGS = 8, CELL = 8, FEWEST = 64 };
 // Lamps that are seen under more than this, in sr, are found without help.
 #define WIDE_LAMP 0.2
-// Objects that are tried, and pairs of a shape and an instance that are looked at for them.
-enum { MOST_OBJECTS = RAYS, MOST_PAIRS = 1 << 22 };
 // Radii of lobes, over the distance of notes; and as angles.
 #define SPREAD   2
 #define SHARPEST 0.004
@@ -120,83 +119,18 @@ typedef struct Note {
     double weight; // about its flux
 } Note;
 
-// What mirrors or refracts.
-typedef struct Object {
-    uint32_t shape, instance;
-    Box3 box; // in the world
-} Object;
-
 typedef struct GuideBuilder {
     const World *world;
-    ARRAY(Object) objects;
+    CasterArray casters;
     Note *notes;
     uint32_t count;
     uint32_t random;
-    bool out_of_memory;
 } GuideBuilder;
 
 static float draw(GuideBuilder *b)
 {
     b->random = hash_u32(b->random + 0x9e3779b9U);
     return hash_to_float(b->random);
-}
-
-static bool is_specular(const World *world, uint32_t material)
-{
-    return world_material(world, material)->lobes & LOBE_DELTA;
-}
-
-static void add_object(GuideBuilder *b, uint32_t shape, uint32_t instance)
-{
-    const Scene *scene = b->world->scene;
-    const ShapeClass *class = shape_class(scene, scene_node(scene, CATEGORY_SHAPE, shape));
-    const void *params = scene_params(scene, scene_node(scene, CATEGORY_SHAPE, shape));
-    if (!class->node.bounds || b->objects.count >= MOST_OBJECTS) {
-        return;
-    }
-    const Affine to_world = accel_to_world(b->world->accel, shape, instance);
-    Object object = {shape, instance, transform_box(&to_world, class->node.bounds(scene, params))};
-    const Vec3 size = sub(object.box.max, object.box.min);
-    if (box3_is_empty(object.box) || !(length_squared(size) < INFINITY)) {
-        return;
-    }
-    // Flat boxes hold something, too.
-    const double least = 1e-3 * max_component(size);
-    object.box.min = sub(object.box.min, vec3(least, least, least));
-    object.box.max = add(object.box.max, vec3(least, least, least));
-    if (!array_push(&b->objects, object)) {
-        b->out_of_memory = true;
-    }
-}
-
-static void find_objects(GuideBuilder *b)
-{
-    const World *world = b->world;
-    const Scene *scene = world->scene;
-    uint32_t pairs = 0;
-    for (uint32_t s = 0; s < scene->nodes[CATEGORY_SHAPE].count; ++s) {
-        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, s);
-        if (node->flags & NODE_LIGHT_ONLY) {
-            continue;
-        }
-        if (node->prototype == 0) {
-            if (is_specular(world, node->material)) {
-                add_object(b, s, NONE_ID);
-            }
-            continue;
-        }
-        if (node->material != NONE_ID && !is_specular(world, node->material)) {
-            continue;
-        }
-        for (uint32_t i = 0; i < scene->instances.count && pairs < MOST_PAIRS; ++i, ++pairs) {
-            const SceneInstance *instance = &scene->instances.items[i];
-            const uint32_t material =
-                node->material == NONE_ID ? instance->material : node->material;
-            if (instance->prototype == node->prototype && is_specular(world, material)) {
-                add_object(b, s, i);
-            }
-        }
-    }
 }
 
 // How long the line through q in direction d is within a box.
@@ -216,13 +150,13 @@ static double chord(Box3 box, Vec3 q, Vec3 d)
     return larger(to - from, 0);
 }
 
-// A ray from a lamp through a point of an object's box; *weight is about its flux.
-static bool send(GuideBuilder *b, const Object *object, Ray *ray, double *weight)
+// A ray from a lamp through a point of a caster's box; *weight is about its flux.
+static bool send(GuideBuilder *b, const Caster *caster, Ray *ray, double *weight)
 {
     const World *world = b->world;
-    const Vec3 size = sub(object->box.max, object->box.min);
+    const Vec3 size = sub(caster->box.max, caster->box.min);
     const double x = (double)draw(b), y = (double)draw(b), z = (double)draw(b);
-    const Vec3 q = add(object->box.min, vec3(x * size.x, y * size.y, z * size.z));
+    const Vec3 q = add(caster->box.min, vec3(x * size.x, y * size.y, z * size.z));
     const LightReceiver at = {.p = q};
     float chance;
     const uint32_t index = light_choose(world->lights, &at, (double)draw(b), &chance);
@@ -239,10 +173,10 @@ static bool send(GuideBuilder *b, const Object *object, Ray *ray, double *weight
     }
     const double away = s.distance < INFINITY
                             ? s.distance * (1 - 1e-6)
-                            : 2 * world_radius(world) + length(sub(q, object->box.min));
+                            : 2 * world_radius(world) + length(sub(q, caster->box.min));
     *ray = ray_make(add_scaled(q, s.direction, away), neg(s.direction), 0, INFINITY);
     *weight = (double)luminance(s.value) * size.x * size.y * size.z /
-              (chord(object->box, q, s.direction) * (double)(s.pdf * chance));
+              (chord(caster->box, q, s.direction) * (double)(s.pdf * chance));
     return *weight > 0 && *weight < INFINITY;
 }
 
@@ -251,7 +185,7 @@ bool guide_serves(uint32_t lobes)
     return (lobes & (LOBE_SMOOTH | LOBE_DELTA | LOBE_TRANSMIT | LOBE_PASS)) == LOBE_SMOOTH;
 }
 
-static void follow(GuideBuilder *b, const Object *object, Ray ray, double weight)
+static void follow(GuideBuilder *b, const Caster *caster, Ray ray, double weight)
 {
     const World *world = b->world;
     Vec3 from = ray.origin;
@@ -262,7 +196,7 @@ static void follow(GuideBuilder *b, const Object *object, Ray ray, double weight
         }
         Surface surface;
         accel_surface(world->accel, &ray, &hit, &surface);
-        if (i == 0 && (surface.shape != object->shape || surface.instance != object->instance)) {
+        if (i == 0 && (surface.shape != caster->shape || surface.instance != caster->instance)) {
             return;
         }
         const WorldMaterial *material = world_material(world, surface.material);
@@ -424,11 +358,11 @@ static bool make_guide(Arena *arena, Note *notes, uint32_t count, Guide *guide)
 static void send_all(GuideBuilder *b)
 {
     for (uint32_t i = 0; i < RAYS; ++i) {
-        const Object *object = &b->objects.items[(uint64_t)i * b->objects.count / RAYS];
+        const Caster *caster = &b->casters.items[(uint64_t)i * b->casters.count / RAYS];
         Ray ray;
         double weight;
-        if (send(b, object, &ray, &weight)) {
-            follow(b, object, ray, weight);
+        if (send(b, caster, &ray, &weight)) {
+            follow(b, caster, ray, weight);
         }
     }
 }
@@ -442,9 +376,8 @@ bool guide_build(const World *world, Arena *arena, const Guide **out)
         return true;
     }
     GuideBuilder b = {.world = world};
-    find_objects(&b);
-    bool good = !b.out_of_memory;
-    if (good && b.objects.count > 0) {
+    bool good = casters_find(world, RAYS, &b.casters, NULL);
+    if (good && b.casters.count > 0) {
         b.notes = mem_alloc(RAYS, sizeof *b.notes);
         good = b.notes;
     }
@@ -456,7 +389,7 @@ bool guide_build(const World *world, Arena *arena, const Guide **out)
         good = guide && make_guide(arena, b.notes, b.count, guide);
         *out = good ? guide : NULL;
     }
-    array_free(&b.objects);
+    array_free(&b.casters);
     mem_free(b.notes);
     return good;
 }

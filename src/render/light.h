@@ -63,6 +63,15 @@ typedef struct LightSample {
     bool delta;      // no ray hits this light by chance: it must be sampled
 } LightSample;
 
+// Where light leaves a light. Of an infinite light: in which direction it travels.
+typedef struct LightOrigin {
+    ShapeSample surface; // of a shape, in the world, else only .point.p is set
+    bool point;          // has no surface
+    bool infinite;
+    Vec3 direction; // infinite: unit
+    double pdf;     // by area; infinite: by solid angle; 1 where there is but one
+} LightOrigin;
+
 // What a light's prepare is given; it fills light->data, power, bounds, intensity and cone (which
 // is in all directions if left alone).
 typedef struct LightPrepare {
@@ -90,6 +99,14 @@ struct LightClass {
     // The radiance along a ray that leaves the scene; and in *pdf (unless that is NULL) what pdf
     // says of its direction. NULL unless infinite.
     Rgb (*escaped)(const struct World *world, const Light *light, Vec3 direction, float *pdf);
+    // For paths that begin at lights: chooses an origin from three numbers in [0, 1). NULL: no path
+    // begins at lights of this kind.
+    bool (*begin)(const struct World *world, const Light *light, double u0, double u1, double u2,
+                  LightOrigin *out);
+    // What leaves it in a unit direction, in W/sr, per m² where the origin has a surface; of an
+    // infinite light in W/m², per sr unless it is delta, whatever the direction.
+    Rgb (*leaving)(const struct World *world, const Light *light, const LightOrigin *origin,
+                   Vec3 direction);
 };
 
 // All lights of the world, and the tables for choosing. NULL after a report. `arena` keeps them.

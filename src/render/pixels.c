@@ -124,6 +124,18 @@ static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, Aov
     return rgb_add(lamps, checked(radiance, stats));
 }
 
+static void add_sample(FilmPixel *pixel, const Site *site, Rgb radiance)
+{
+    if (!site->stream->caustics) {
+        film_pixel_add(pixel, radiance);
+        return;
+    }
+    const CausticPixel *caustic = &site->stream->caustics[site->at];
+    const double *sum = caustic->sum;
+    const Rgb light = rgb((float)sum[0], (float)sum[1], (float)sum[2]);
+    film_pixel_add_varying(pixel, rgb_add(radiance, light), caustic->square);
+}
+
 // Adds samples [from, to) of this renderer to *sums; returns where it got before a stop.
 static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, uint32_t to,
                              PixelSums *sums, TileCount *count)
@@ -134,10 +146,10 @@ static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, uint3
         const uint32_t number = r->film.first_sample + from;
         if (aovs) {
             AovSample aov = {.object = 0};
-            film_pixel_add(&sums->color, take_sample(r, site, number, &aov, stats));
+            add_sample(&sums->color, site, take_sample(r, site, number, &aov, stats));
             film_aov_add(&sums->aov, &aov);
         } else {
-            film_pixel_add(&sums->color, take_sample(r, site, number, NULL, stats));
+            add_sample(&sums->color, site, take_sample(r, site, number, NULL, stats));
         }
         if (++count->unseen == TICK_SAMPLES) {
             count->unseen = 0;

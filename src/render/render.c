@@ -126,6 +126,9 @@ static bool prepare(Renderer *r, DiagSink *sink)
                     width, height);
         return false;
     }
+    if (!caustics_begin(r, sink)) {
+        return false;
+    }
     return true;
 }
 
@@ -160,6 +163,7 @@ Renderer *renderer_new(const Scene *scene, const RenderOptions *options, DiagSin
 void renderer_free(Renderer *r)
 {
     if (r) {
+        caustics_end(r);
         if (!r->options.world) {
             world_free(r->world);
         }
@@ -255,9 +259,6 @@ static void add_count(Renderer *r, const TileCount *count)
     atomic_fetch_add_explicit(&r->bad_samples, count->rays.bad_samples, memory_order_relaxed);
 }
 
-// The second stream's seeds are as far from the first's as another picture's.
-enum { SECOND_STREAM = 0x2545f491 };
-
 static bool render_streams(Renderer *r, uint32_t x, uint32_t y, TileCount *count)
 {
     const AdaptiveCell *cell = adaptive_cell(&r->adaptive, x, y);
@@ -265,7 +266,8 @@ static bool render_streams(Renderer *r, uint32_t x, uint32_t y, TileCount *count
     for (uint32_t s = 0; go_on && adaptive_at_work(cell) && s < 2; ++s) {
         const PixelStream stream = {.pixels = r->adaptive.streams[s],
                                     .aovs = cell->enough[s] ? NULL : r->film.aovs,
-                                    .seed = r->seed ^ s * SECOND_STREAM};
+                                    .seed = renderer_seed(r, s),
+                                    .caustics = r->caustics.pixels[s]};
         go_on = pixel_render(r, &stream, x, y, count);
     }
     return go_on;
@@ -276,7 +278,7 @@ static bool render_pixel(Renderer *r, uint32_t x, uint32_t y, TileCount *count)
     if (r->rule) {
         return render_streams(r, x, y, count);
     }
-    const PixelStream stream = {r->film.pixels, r->film.aovs, r->seed, true};
+    const PixelStream stream = {r->film.pixels, r->film.aovs, r->seed, true, r->caustics.pixels[0]};
     return pixel_render(r, &stream, x, y, count);
 }
 
@@ -309,7 +311,7 @@ static uint32_t next_target(const Renderer *r)
     const uint32_t done = r->film.samples_done;
     uint32_t target = done < SAMPLE_BLOCK ? 1 : (done / SAMPLE_BLOCK + 1) * SAMPLE_BLOCK;
     while (target <= done) {
-        target *= 4;
+        target *= r->photons ? 2 : 4; // so that no pass is of two runs
     }
     return target < r->samples ? target : r->samples;
 }
@@ -349,6 +351,9 @@ bool renderer_run(Renderer *r, RenderStats *stats)
     r->samples_before = atomic_load(&r->samples_done);
     while (!finished(r) && !renderer_stopped(r)) {
         r->target = next_target(r);
+        if (!caustics_trace(r)) {
+            break;
+        }
         parallel_for(r->tiles.count, r->options.threads, render_tile, r, r->options.stop);
         if (renderer_stopped(r)) {
             break; // maybe between pixels; the next run finds what is missing

@@ -5,6 +5,7 @@
 
 #include "render/adaptive.h"
 #include "render/camera.h"
+#include "render/caustics.h"
 #include "render/filter.h"
 #include "render/lamps.h"
 #include "render/render.h"
@@ -22,6 +23,8 @@ struct Renderer {
     PixelFilter filter;
     double pixel_width, pixel_height; // of the film's sides
     uint8_t *lamp_marks;              // LampMark, by pixel; a pixel's is its tile's to settle; NULL
+    Photons *photons;                 // that are traced for this picture; NULL: none
+    CausticFilm caustics;             // of the streams, for the samples of the present pass
     TileList tiles;
     Film film;
     const StopRule *rule;   // or NULL
@@ -48,6 +51,12 @@ static inline bool renderer_stopped(const Renderer *r)
            atomic_load_explicit(&r->out_of_time, memory_order_relaxed);
 }
 
+// The seed of a stream: the second's is as far from the first's as another picture's.
+static inline uint32_t renderer_seed(const Renderer *r, uint32_t stream)
+{
+    return r->seed ^ stream * UINT32_C(0x2545f491);
+}
+
 // Looks at the clock: ends the run at its deadline, and reports if it is time and no other thread
 // is at it. Called every few samples.
 void renderer_tick(Renderer *r);
@@ -64,7 +73,8 @@ typedef struct PixelStream {
     FilmPixel *pixels; // of the whole picture
     AovPixel *aovs;    // the same; NULL: layers aren't counted
     uint32_t seed;
-    bool keeps_blocks; // the film's blocks are kept apart, too (film.h)
+    bool keeps_blocks;            // the film's blocks are kept apart, too (film.h)
+    const CausticPixel *caustics; // that each sample adds; NULL: nothing
 } PixelStream;
 
 // Brings one pixel of a stream to r->target samples. False after a stop.

@@ -18,7 +18,7 @@
 enum { DEFAULT_FILTER = FILTER_BLACKMAN_HARRIS, DEFAULT_TONE = TONE_SRGB };
 
 static const char *const filters[] = {"box", "tent", "gaussian", "blackman_harris", "center", NULL};
-static const char *const ways_to_caustics[] = {"plain", "guided", NULL};
+static const char *const ways_to_caustics[] = {"plain", "guided", "traced", NULL};
 static const char *const samplings[] = {"mis", "light", "bsdf", NULL};
 static const char *const integrators[] = {
 #define INTEGRATOR(id) #id,
@@ -196,8 +196,10 @@ static const Param render_params[] = {
      .choices = ways_to_caustics,
      .default_text = "\"plain\"",
      .doc = "how the \"path\" integrator finds light that mirrors and glass throw on something "
-            "matt: by luck (plain), or also where rays sent from the lamps say that it comes from "
-            "(guided), which pays where lamps are small; the mean stays the same"},
+            "matt: by luck (plain), also where rays sent from the lamps say that it comes from "
+            "(guided), or, as far as the camera sees it straight, by following light from the "
+            "lamps (traced); the mean stays the same, but that traced also finds the caustics of "
+            "lamps without a size"},
     {.name = "ao_distance",
      .type = PARAM_NUMBER,
      PARAM_AT(RenderParams, ao_distance),

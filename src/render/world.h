@@ -12,8 +12,8 @@
 #include "render/texture.h"
 #include "scene/scene.h"
 
-enum { SAMPLING_MIS, SAMPLING_LIGHT, SAMPLING_BSDF }; // RenderParams.sampling
-enum { CAUSTICS_PLAIN, CAUSTICS_GUIDED };             // RenderParams.caustics
+enum { SAMPLING_MIS, SAMPLING_LIGHT, SAMPLING_BSDF };      // RenderParams.sampling
+enum { CAUSTICS_PLAIN, CAUSTICS_GUIDED, CAUSTICS_TRACED }; // RenderParams.caustics
 
 typedef struct World {
     const Scene *scene;
@@ -23,6 +23,10 @@ typedef struct World {
     uint32_t only_light;      // the one that light_choose chooses everywhere, or NONE_ID
     const Guide
         *guide; // to light by way of mirrors and glass; NULL: none is asked for, or none found
+    // By light: whether what the camera sees of it by way of one smooth lobe and then delta lobes
+    // is found by photons (photons.h), and is to be left out of paths. NULL: no light's is. Set by
+    // who traces photons.
+    const bool *photon_lights;
     TextureSet *textures;
     const WorldMaterial *materials; // material_count + 1; the last is the default
     uint32_t material_count;

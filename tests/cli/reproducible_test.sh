@@ -34,4 +34,30 @@ run caustic.scn -o guided.png
 run plain.scn -o plain.png
 expect_code 0
 cmp -s guided.png plain.png && fail "guiding changes nothing"
+
+# And so it is for caustics traced from the lamps, in parts and with breaks, too.
+sed 's/guided/traced/' caustic.scn >traced.scn
+run traced.scn -o traced.exr --samples 100 --threads 1
+expect_code 0
+run traced.scn -o tiles.exr --samples 100 --threads 3 --tile 8x8
+cmp -s traced.exr tiles.exr || fail "traced: other bytes for other threads and tiles"
+run traced.scn --samples 100 --sample-range 0..63 --checkpoint head
+run traced.scn --samples 100 --sample-range 64..99 --checkpoint tail --threads 2
+run merge head tail -o merged.exr
+expect_code 0
+cmp -s traced.exr merged.exr || fail "traced: other bytes for parts"
+run traced.scn -o x.exr --samples 20 --checkpoint c
+run traced.scn -o resumed.exr --samples 100 --checkpoint c --resume
+expect_code 0
+cmp -s traced.exr resumed.exr || fail "traced: other bytes after a break"
+sed 's/samples: 16/samples: 400, stop: until { error: 0.1 }/' traced.scn >stops.scn
+run stops.scn -o stops.exr --threads 1
+expect_code 0
+run stops.scn -o tiles.exr --threads 3 --tile 8x8
+cmp -s stops.exr tiles.exr || fail "traced, stopping where it is good enough: other bytes for other threads and tiles"
+# Through the centers of pixels alone no photon is seen: that is told.
+sed 's/height: 24/height: 24, filter: "center"/' traced.scn >center.scn
+run center.scn -o center.exr
+expect_code 0
+expect_text err "warning[W0963]: caustics can't be traced to the centers of pixels: paths find them by luck"
 finish

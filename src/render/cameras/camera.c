@@ -168,6 +168,99 @@ bool camera_film_box(const Camera *camera, Box3 bounds, FilmBox *out)
     return true;
 }
 
+// The film's coordinates (right, top) of the ray that leads to q, in the camera's own frame,
+// through the point `lens` of the lens; where it begins; how much of film coordinates there is, at
+// q, over the area of a surface there times the cosine times the length of `speed`, along which the
+// ray goes.
+typedef struct LocalView {
+    double right, top, per_area;
+    Vec3 from, speed;
+} LocalView;
+
+static bool view_flat(const Camera *camera, Vec3 q, Vec3 lens, LocalView *out)
+{
+    const double depth = -q.z, focus = camera->params.focus_distance;
+    if (!(depth > 0)) {
+        return false;
+    }
+    if (camera->params.projection == CAMERA_ORTHOGRAPHIC) {
+        // The ray (right, top, 0) + lens + t ((0, 0, -focus) - lens), t = depth / focus.
+        const bool blurs = camera->params.aperture > 0;
+        out->speed = blurs ? scale(sub(vec3(0, 0, -focus), lens), 1 / focus) : vec3(0, 0, -1);
+        out->from = add_scaled(q, out->speed, -depth);
+        out->from.z = 0;
+        out->right = out->from.x - lens.x;
+        out->top = out->from.y - lens.y;
+        out->per_area = 1;
+        return true;
+    }
+    out->from = lens;
+    out->speed = sub(q, lens);
+    out->right = out->speed.x / depth + (lens.x != 0 ? lens.x / focus : 0);
+    out->top = out->speed.y / depth + (lens.y != 0 ? lens.y / focus : 0);
+    out->per_area = 1 / (depth * depth * depth);
+    return true;
+}
+
+static bool view_round(const Camera *camera, Vec3 q, LocalView *out)
+{
+    const double r = length(q), flat = sqrt(q.x * q.x + q.y * q.y);
+    if (!(r > 0)) {
+        return false;
+    }
+    out->from = vec3(0, 0, 0);
+    out->speed = q;
+    out->per_area = 1 / (r * r * r);
+    if (camera->params.projection == CAMERA_FISHEYE) {
+        const double angle = atan2(flat, -q.z), k = flat > 0 ? angle / flat : 0;
+        out->right = q.x * k;
+        out->top = q.y * k;
+        out->per_area *= flat > 0 ? k * r : 1; // θ / sin θ
+        return true;
+    }
+    // A panorama's half sizes aren't asked for: its film is all longitudes and latitudes.
+    const double across = sqrt(q.x * q.x + q.z * q.z);
+    out->right = atan2(q.x, -q.z) / PI * camera->half_width;
+    out->top = atan2(q.y, across) / (PI / 2) * camera->half_height;
+    out->per_area *= r / across * 2 / (PI * PI) * camera->half_width * camera->half_height;
+    return across > 0;
+}
+
+bool camera_view(const Camera *camera, Vec3 p, float lens_u, float lens_v, CameraView *out)
+{
+    const CameraParams *params = &camera->params;
+    Affine to_camera;
+    if (!affine_inverse(&camera->to_world, &to_camera)) {
+        return false;
+    }
+    const Vec3 q = transform_point(&to_camera, p);
+    Vec3 lens = vec3(0, 0, 0);
+    if (params->aperture > 0) {
+        const Vec2 on_lens = sample_disc(lens_u, lens_v);
+        lens = vec3(params->aperture * on_lens.x, params->aperture * on_lens.y, 0);
+    }
+    LocalView local;
+    const bool round =
+        params->projection == CAMERA_FISHEYE || params->projection == CAMERA_PANORAMA;
+    if (!(round ? view_round(camera, q, &local) : view_flat(camera, q, lens, &local))) {
+        return false;
+    }
+    // An area vector n dA becomes det(M^-1) M^T n dA, so that its product with the local speed is
+    // det(M^-1) n · M speed dA.
+    const double determinant = fabs(affine_determinant(&to_camera));
+    const Vec3 speed = transform_vector(&camera->to_world, local.speed);
+    const double pace = length(speed);
+    out->x = (local.right / camera->half_width + 1) / 2;
+    out->y = (1 - local.top / camera->half_height) / 2;
+    out->from = transform_point(&camera->to_world, local.from);
+    const Vec3 way = sub(out->from, p);
+    out->distance = length(way);
+    out->direction = scale(speed, -1 / pace);
+    out->film_area =
+        determinant * pace * local.per_area / (4 * camera->half_width * camera->half_height);
+    return out->distance > 0 && out->film_area > 0 && out->film_area < INFINITY;
+}
+
 double camera_depth(const Camera *camera, Vec3 p)
 {
     const Affine *a = &camera->to_world;

@@ -5,6 +5,7 @@
 // is chosen by the material (BSDF sampling), along which the path goes on; light that this ray hits
 // counts too, with weights that sum to one. `sampling` leaves one of the two out, where the other
 // can find the light at all: the mean stays the same.
+#include "render/casters.h"
 #include "render/integrators/surface_hit.h"
 
 // Numbers of the sampler for each surface, two sets of four: two on the light, choice of the light
@@ -33,6 +34,8 @@ typedef struct Path {
     // How the present ray's direction was chosen, for the weight of light that it hits.
     float pdf;              // by solid angle
     bool certain;           // by the camera or a delta lobe: no light sampling competes
+    bool mirrored;          // scattered by a smooth lobe once, and then by delta lobes alone
+    bool photons_find;      // what traced lights emit along it is found by photons (photons.h)
     LightReceiver receiver; // where it was chosen
     MediumStack media;      // the transparent bodies that the present ray is in
 } Path;
@@ -105,6 +108,9 @@ static void add_escaped(Path *path, Vec3 direction)
     const uint32_t *infinite = light_set_infinite(world->lights, &count);
     for (uint32_t i = 0; i < count; ++i) {
         const Light *light = light_set_get(world->lights, infinite[i]);
+        if (path->photons_find && world->photon_lights[infinite[i]]) {
+            continue;
+        }
         float chance =
             path->certain ? 0 : light_chance(world->lights, &path->receiver, infinite[i]);
         float pdf = 0;
@@ -117,7 +123,7 @@ static void add_emitted(Path *path, const Ray *ray, const Hit *hit, Surface *sur
 {
     const World *world = path->world;
     uint32_t index = light_of_surface(world, surface);
-    if (index == NONE_ID) {
+    if (index == NONE_ID || (path->photons_find && world->photon_lights[index])) {
         return;
     }
     const Light *light = light_set_get(world->lights, index);
@@ -273,6 +279,20 @@ static bool choose_guided(const ShadingPoint *point, const WorldMaterial *materi
     return true;
 }
 
+// Whether what traced lights emit along the next ray is left to photons.
+static void leave_to_photons(Path *path, const Surface *surface, const WorldMaterial *material,
+                             uint32_t lobes)
+{
+    const bool delta = lobes & material->lobes & LOBE_DELTA;
+    if (path->depth == 1) {
+        path->mirrored = !delta;
+        path->photons_find = false;
+        return;
+    }
+    path->mirrored = path->mirrored && delta;
+    path->photons_find = path->mirrored && caster_is_bounded(path->world, surface->shape);
+}
+
 // Chooses the next ray; false where the path ends.
 static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *material,
                     const LightReceiver *receiver, const GuideCell *cell, const SurfaceNumbers *n,
@@ -295,6 +315,9 @@ static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *
             medium_cross(world, &path->media, point->surface);
         }
         ++path->depth;
+        if (world->photon_lights) {
+            leave_to_photons(path, point->surface, material, s.lobes);
+        }
         if ((path->depth == world->bounces && !last_ray_needed(world)) ||
             !roulette(path, n->roulette)) {
             return false;
@@ -417,6 +440,7 @@ static Rgb find(const World *world, const Ray *ray, Sampler *sampler, AovSample 
     path.depth = 0;
     path.squeeze = 1;
     path.certain = true;
+    path.photons_find = false;
     if (world->media) {
         path.media = world->camera_media;
     }

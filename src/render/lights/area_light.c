@@ -316,6 +316,28 @@ static float pdf(const World *world, const Light *light, Vec3 reference, Vec3 di
     return isfinite(by_area) ? (float)by_area : 0;
 }
 
+static bool begin(const World *world, const Light *light, double u0, double u1, double u2,
+                  LightOrigin *out)
+{
+    const AreaData *data = light->data;
+    if (!data->class->sample_area || !(data->area > 0) || !isfinite(data->area)) {
+        return false;
+    }
+    *out = (LightOrigin){.point = false};
+    data->class->sample_area(world->scene, data->shape, &data->to_world, data->table, u0, u1, u2,
+                             &out->surface);
+    out->pdf = out->surface.pdf;
+    return out->pdf > 0 && out->pdf < INFINITY;
+}
+
+static Rgb leaving(const World *world, const Light *light, const LightOrigin *origin,
+                   Vec3 direction)
+{
+    const double facing = dot(direction, origin->surface.point.geometric);
+    const Rgb radiance = emitted_at(world, light, &origin->surface, facing > 0);
+    return rgb_scale(radiance, (float)fabs(facing));
+}
+
 const LightClass area_light_light = {
     .node =
         {.name = "area_light",
@@ -343,6 +365,8 @@ const LightClass area_light_light = {
     .sample = sample,
     .pdf = pdf,
     .emitted = emitted,
+    .begin = begin,
+    .leaving = leaving,
 };
 
 const LightClass emissive_shape_light = {
@@ -350,4 +374,6 @@ const LightClass emissive_shape_light = {
     .sample = sample,
     .pdf = pdf,
     .emitted = emitted,
+    .begin = begin,
+    .leaving = leaving,
 };

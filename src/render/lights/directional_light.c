@@ -140,6 +140,24 @@ static Rgb escaped(const World *world, const Light *light, Vec3 direction, float
     return in_disc(light, direction) ? data->radiance : rgb_gray(0);
 }
 
+static bool begin(const World *world, const Light *light, double u0, double u1, double u2,
+                  LightOrigin *out)
+{
+    LightSample s;
+    sample(world, light, vec3(0, 0, 0), u0, u1, u2, &s);
+    *out = (LightOrigin){.infinite = true, .direction = neg(s.direction), .pdf = (double)s.pdf};
+    return true;
+}
+
+static Rgb leaving(const World *world, const Light *light, const LightOrigin *origin,
+                   Vec3 direction)
+{
+    (void)world, (void)origin, (void)direction;
+    const DirectionalLight *params = light->params;
+    const DirectionalData *data = light->data;
+    return light->delta ? params->perpendicular : data->radiance;
+}
+
 const LightClass directional_light_light = {
     .node =
         {.name = "directional_light",
@@ -167,4 +185,6 @@ const LightClass directional_light_light = {
     .sample = sample,
     .pdf = pdf,
     .escaped = escaped,
+    .begin = begin,
+    .leaving = leaving,
 };

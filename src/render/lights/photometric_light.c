@@ -208,6 +208,26 @@ static bool sample(const World *world, const Light *light, Vec3 reference, doubl
     return factor > 0;
 }
 
+static bool begin(const World *world, const Light *light, double u0, double u1, double u2,
+                  LightOrigin *out)
+{
+    (void)world, (void)u0, (void)u1, (void)u2;
+    const PhotometricData *data = light->data;
+    *out = (LightOrigin){.surface.point.p = data->position, .point = true, .pdf = 1};
+    return true;
+}
+
+static Rgb leaving(const World *world, const Light *light, const LightOrigin *origin,
+                   Vec3 direction)
+{
+    (void)world, (void)origin;
+    const PhotometricLight *params = light->params;
+    const PhotometricData *data = light->data;
+    const double candela = ies_candela(params->web, dot(direction, data->d),
+                                       dot(direction, data->u), dot(direction, data->s));
+    return rgb_scale(data->per_candela, (float)candela);
+}
+
 const LightClass photometric_light_light = {
     .node = {.name = "photometric_light",
              .category = CATEGORY_LIGHT,
@@ -235,4 +255,6 @@ const LightClass photometric_light_light = {
              .finish = finish},
     .prepare = prepare,
     .sample = sample,
+    .begin = begin,
+    .leaving = leaving,
 };

@@ -113,6 +113,22 @@ static bool sample(const World *world, const Light *light, Vec3 reference, doubl
     return factor > 0;
 }
 
+static bool begin(const World *world, const Light *light, double u0, double u1, double u2,
+                  LightOrigin *out)
+{
+    (void)world, (void)u0, (void)u1, (void)u2;
+    const PointData *data = light->data;
+    *out = (LightOrigin){.surface.point.p = data->position, .point = true, .pdf = 1};
+    return true;
+}
+
+static Rgb leaving(const World *world, const Light *light, const LightOrigin *origin,
+                   Vec3 direction)
+{
+    (void)world, (void)origin, (void)direction;
+    return ((const PointLight *)light->params)->radiant_intensity;
+}
+
 const LightClass point_light_light = {
     .node =
         {.name = "point_light",
@@ -133,4 +149,6 @@ const LightClass point_light_light = {
          .finish = finish},
     .prepare = prepare,
     .sample = sample,
+    .begin = begin,
+    .leaving = leaving,
 };

@@ -133,6 +133,25 @@ static bool sample(const World *world, const Light *light, Vec3 reference, doubl
     return factor > 0;
 }
 
+static bool begin(const World *world, const Light *light, double u0, double u1, double u2,
+                  LightOrigin *out)
+{
+    (void)world, (void)u0, (void)u1, (void)u2;
+    const SpotData *data = light->data;
+    *out = (LightOrigin){.surface.point.p = data->position, .point = true, .pdf = 1};
+    return true;
+}
+
+static Rgb leaving(const World *world, const Light *light, const LightOrigin *origin,
+                   Vec3 direction)
+{
+    (void)origin;
+    const SpotLight *params = light->params;
+    const SpotData *data = light->data;
+    const double beam = falloff_factor(world->scene, params->falloff, dot(direction, data->axis));
+    return rgb_scale(params->radiant_intensity, (float)beam);
+}
+
 const LightClass spot_light_light = {
     .node = {.name = "spot_light",
              .category = CATEGORY_LIGHT,
@@ -160,6 +179,8 @@ const LightClass spot_light_light = {
              .finish = finish},
     .prepare = prepare,
     .sample = sample,
+    .begin = begin,
+    .leaving = leaving,
 };
 
 // --- Falloffs of a scene -------------------------------------------------------------------------
