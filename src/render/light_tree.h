@@ -1,6 +1,7 @@
 // A hierarchy over lights, by which one of thousands is chosen for a point with a chance about
 // proportional to what it gives there: Conty Estevez and Kulla 2018, "Importance Sampling of Many
-// Lights with Adaptive Tree Splitting" (without the splitting).
+// Lights with Adaptive Tree Splitting" (without the splitting). Each node has up to eight children,
+// which vectors weigh together, and of which one is chosen with more known than of two.
 #ifndef RENDER_LIGHT_TREE_H
 #define RENDER_LIGHT_TREE_H
 
@@ -10,8 +11,10 @@ typedef struct LightTreeNode LightTreeNode;
 
 typedef struct LightTree {
     LightTreeNode *nodes; // the root is the first; NULL: no lights
+    uint32_t *places;     // by light: where it hangs
     uint32_t count;       // lights
-    uint64_t *trails; // by light: its turns from the root, lowest bit first, 1 for the second child
+    double scale;         // 1 over the radius of all of them, 1/m
+    double unit;          // of importances: their intensity times scale²
 } LightTree;
 
 // What the tree knows of a light.

@@ -246,7 +246,7 @@ static void thousands_of_lights_are_quiet(void **state)
     double ours, by_power;
     compare_noise(world, 100, 45, &ours, &by_power);
     print_message("2500 lamps: relative variance %.3g, by power %.4g\n", ours, by_power);
-    assert_true(ours < 4 && ours < by_power / 50);
+    assert_true(ours < 2 && ours < by_power / 100);
     tear_down(&maker, world);
 }
 
