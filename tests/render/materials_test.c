@@ -275,7 +275,7 @@ static void strategies_agree(void)
                       .context = &ray,
                       .first = MIS,
                       .samples = 1 << 13,
-                      .seconds = 200};
+                      .seconds = 400};
     rivals_compare(&table, &rivals, "7 frosted glass: light = mis", &LIGHT, 3e-2);
     rivals_compare(&table, &rivals, "7 frosted glass: bsdf = mis", &BSDF, 6e-2);
     close_lab(&lab);
