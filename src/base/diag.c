@@ -123,11 +123,32 @@ static bool make_room(DiagSink *sink)
     return true;
 }
 
+static void fill_slots(DiagSink *sink)
+{
+    memset(sink->slots, 0, ((size_t)sink->slot_mask + 1) * sizeof *sink->slots);
+    for (uint32_t i = 0; i < sink->count; ++i) {
+        sink->slots[find_slot(sink, sink->items[i].code, sink->items[i].at)] = i + 1;
+    }
+}
+
+// Beyond the limit an error takes the place of the last warning.
+static Diag *keep_beyond(DiagSink *sink, Diag diag)
+{
+    sink->dropped++;
+    for (uint32_t i = sink->count; diag.severity == SEVERITY_ERROR && i-- > 0;) {
+        if (sink->items[i].severity != SEVERITY_ERROR) {
+            sink->items[i] = diag;
+            fill_slots(sink);
+            return &sink->items[i];
+        }
+    }
+    return &sink->spare;
+}
+
 static Diag *keep(DiagSink *sink, Diag diag)
 {
     if (sink->count >= sink->limit) {
-        sink->dropped++;
-        return &sink->spare;
+        return keep_beyond(sink, diag);
     }
     if (!make_room(sink)) {
         sink->out_of_memory = true;
@@ -189,10 +210,7 @@ void diag_rewind(DiagSink *sink, DiagMark mark)
     sink->dropped = mark.dropped;
     sink->out_of_memory = mark.out_of_memory;
     if (sink->slots) {
-        memset(sink->slots, 0, ((size_t)sink->slot_mask + 1) * sizeof *sink->slots);
-    }
-    for (uint32_t i = 0; i < sink->count; ++i) {
-        sink->slots[find_slot(sink, sink->items[i].code, sink->items[i].at)] = i + 1;
+        fill_slots(sink);
     }
 }
 

@@ -81,7 +81,8 @@ void diag_sink_init(DiagSink *sink, Arena *arena);
 void diag_sink_free(DiagSink *sink);
 
 // Adds a diagnostic and returns it, to be given a label, notes or a fix. Never returns NULL: past
-// the limit, or without memory, it is a spare one that is not kept (but still counted). The pointer
+// the limit, or without memory, it is a spare one that is not kept (but still counted); but past
+// the limit an error takes the place of a warning while there is one. The pointer
 // is good until the next diag_report. A second diagnostic with the same code and span is dropped
 // and not counted. None of these functions uses the arena's jump.
 Diag *diag_report(DiagSink *sink, DiagCode code, Span at, const char *format, ...)

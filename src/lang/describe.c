@@ -92,13 +92,13 @@ static size_t describe_dims(uint32_t dims, const char *plain, char *buffer, size
                                        article(noun), noun);
         }
     }
-    return length;
+    return length < size ? length : size; // no further than the text itself
 }
 
 static void describe_choices(const Param *param, char *buffer, size_t size)
 {
     size_t length = (size_t)snprintf(buffer, size, "one of");
-    for (size_t i = 0; param->choices && param->choices[i] && length < size; ++i) {
+    for (size_t i = 0; param->choices[i] && length < size; ++i) {
         length += (size_t)snprintf(buffer + length, size - length, "%s \"%s\"", i ? "," : "",
                                    param->choices[i]);
     }
@@ -198,7 +198,7 @@ static void add_string(Eval *ev, TextBuffer *out, Value v, bool quoted)
         return;
     }
     if (!quoted) {
-        text_add(ev, out, "%.*s", (int)(v.count < 0x7fffffff ? v.count : 0x7fffffff), v.string);
+        text_add(ev, out, "%s", v.string); // which has no NUL but at its end
         return;
     }
     text_add(ev, out, "\"");

@@ -313,8 +313,8 @@ Module *module_load_early(Eval *ev, uint32_t file)
     Module *module = e.module;
     Emitter emitter = {.is_identity = true, .material = NONE_ID};
     ev->emitter = &emitter;
-    module->parser = e.parser =
-        parser_new(&module->ast, &ev->lang->sources, file, ev->names, parse_limits(ev), ev->sink);
+    module->parser = e.parser = parser_new(&module->ast, &ev->lang->sources, file, ev->names,
+                                           parse_limits(ev->lang), ev->sink);
     resolver_begin(&e.resolver, ev, module);
     make_slots(&e);
     if (e.parser) {

@@ -305,7 +305,7 @@ Module *module_load_text(Eval *ev, uint32_t file, bool is_library);
 Module *module_new(Eval *ev, uint32_t file, bool is_library);
 // Reads the imports of a module that was parsed.
 void load_imports(Eval *ev, Module *module);
-ParseLimits parse_limits(const Eval *ev);
+ParseLimits parse_limits(const Lang *lang);
 void modules_free(Eval *ev);
 // The slot of a name of the file itself, or -1.
 int64_t module_find(const Module *module, Symbol name);
@@ -445,7 +445,7 @@ void count_parts(Eval *ev, const NodeValue *node, uint32_t id);
 Value texture_arithmetic(Eval *ev, const char *op, Value a, Value b, Where where);
 // The parameter struct with a kind's defaults.
 const char *kind_defaults(Eval *ev, uint32_t type);
-bool kinds_init(Eval *ev);
+void kinds_init(Eval *ev);
 int field_index(const Eval *ev, uint32_t type, Symbol name); // as FIELD.aux
 void report_unknown_field(Eval *ev, uint32_t type, Symbol name, Span at);
 

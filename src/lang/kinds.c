@@ -3,39 +3,40 @@
 
 #include <stdio.h>
 
-static bool intern_fields(Eval *ev, KindInfo *kind)
+static Symbol known(Eval *ev, const char *name)
+{
+    Symbol symbol = intern(ev->names, str_from(name));
+    if (!symbol) {
+        out_of_memory(ev);
+    }
+    return symbol;
+}
+
+static void intern_fields(Eval *ev, KindInfo *kind)
 {
     const NodeType *type = kind->type;
     kind->fields = arena_array(&ev->regions[0], type->param_count, sizeof *kind->fields);
     kind->shape_field = -1;
     for (size_t i = 0; i < type->param_count; ++i) {
         const Param *param = &type->params[i];
-        kind->fields[i] = intern(ev->names, str_from(param->name));
-        bool is_of = type->role == ROLE_INSTANCE && strcmp(param->name, "of") == 0;
-        bool is_items = type->role == ROLE_GROUP && strcmp(param->name, "items") == 0;
-        if ((param->flags & PARAM_REQUIRED) && !is_of && !is_items) {
+        kind->fields[i] = known(ev, param->name);
+        if ((param->flags & PARAM_REQUIRED) && type->role == ROLE_PLAIN) {
             kind->required |= (uint64_t)1 << i;
         }
         if (type->category == CATEGORY_LIGHT && param->type == PARAM_NODE &&
             param->category == CATEGORY_SHAPE) {
             kind->shape_field = (int)i;
         }
-        if (!kind->fields[i]) {
-            return false;
-        }
     }
-    return true;
 }
 
-static bool intern_all(Eval *ev)
+static void intern_all(Eval *ev)
 {
     const Schema *schema = ev->lang->schema;
     for (size_t i = 0; i < schema->type_count; ++i) {
         ev->kinds[i].type = schema->types[i];
-        if (!intern(ev->names, str_from(schema->types[i]->name)) ||
-            !intern_fields(ev, &ev->kinds[i])) {
-            return false;
-        }
+        known(ev, schema->types[i]->name);
+        intern_fields(ev, &ev->kinds[i]);
         if (schema->types[i]->role == ROLE_GROUP) {
             ev->group_type = (int)i;
         }
@@ -44,18 +45,13 @@ static bool intern_all(Eval *ev)
         }
     }
     for (uint32_t i = 0; i < builtin_count; ++i) {
-        if (!intern(ev->names, str_from(builtins[i].name))) {
-            return false;
-        }
+        known(ev, builtins[i].name);
     }
     for (uint32_t bit = 1; bit <= COMMON_COLOR; bit <<= 1) {
-        if (!intern(ev->names, str_from(common_field_name((CommonField)bit)))) {
-            return false;
-        }
+        known(ev, common_field_name((CommonField)bit));
     }
-    ev->symbol_items = intern(ev->names, STR("items"));
-    ev->symbol_of = intern(ev->names, STR("of"));
-    return ev->symbol_items && ev->symbol_of;
+    ev->symbol_items = known(ev, "items");
+    ev->symbol_of = known(ev, "of");
 }
 
 static SymbolInfo *symbol_info(Eval *ev, const char *name)
@@ -63,14 +59,12 @@ static SymbolInfo *symbol_info(Eval *ev, const char *name)
     return &ev->symbols[interned(ev->names, str_from(name))];
 }
 
-bool kinds_init(Eval *ev)
+void kinds_init(Eval *ev)
 {
     const Schema *schema = ev->lang->schema;
     ev->group_type = ev->texture_math = -1;
     ev->kinds = arena_alloc_zeroed(&ev->regions[0], schema->type_count * sizeof *ev->kinds);
-    if (!intern_all(ev)) {
-        return false;
-    }
+    intern_all(ev);
     ev->symbol_count = ev->names->count + 1;
     ev->symbols = arena_alloc_zeroed(&ev->regions[0], ev->symbol_count * sizeof *ev->symbols);
     for (size_t i = 0; i < schema->type_count; ++i) {
@@ -84,7 +78,6 @@ bool kinds_init(Eval *ev)
     for (uint32_t bit = 1; bit <= COMMON_COLOR; bit <<= 1) {
         symbol_info(ev, common_field_name((CommonField)bit))->common = (uint16_t)bit;
     }
-    return true;
 }
 
 int field_index(const Eval *ev, uint32_t type, Symbol name)

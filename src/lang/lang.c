@@ -314,9 +314,7 @@ static void evaluate(Eval *ev, const Run *run)
     ev->consed_transforms = arena_alloc_zeroed(ev->arena, CONS_SLOTS * sizeof(ConsSlot));
     size_t words = ev->lang->setting_count / 64 + 1;
     ev->settings_used = arena_alloc_zeroed(ev->arena, words * sizeof *ev->settings_used);
-    if (!kinds_init(ev)) {
-        out_of_memory(ev);
-    }
+    kinds_init(ev);
     ev->region = 1; // files; region 0 is never rewound
     ev->arena = &ev->regions[1];
     Module *module =
@@ -453,9 +451,8 @@ bool lang_dump_ast(Lang *lang, const char *path, const char *shown, FILE *out)
         return false;
     }
     Ast ast = {0};
-    uint64_t nesting = lang->limits.nesting;
-    ParseLimits limits = {nesting < UINT32_MAX ? (uint32_t)nesting : UINT32_MAX};
-    bool good = parse(&ast, &lang->sources, file, &lang->names, limits, false, &lang->sink);
+    bool good =
+        parse(&ast, &lang->sources, file, &lang->names, parse_limits(lang), false, &lang->sink);
     ast_dump(&ast, &lang->names, out);
     ast_free(&ast);
     return good;

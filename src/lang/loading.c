@@ -143,9 +143,6 @@ static uint32_t import_file(Eval *ev, Module *module, AstId item)
     const AstNode *node = &module->ast.nodes.items[item];
     Span at = ast_span(&module->ast, item);
     const AstNode *path = &module->ast.nodes.items[node->a];
-    if (path->tag != AST_STRING) {
-        return 0;
-    }
     Span path_at = ast_span(&module->ast, node->a);
     Str written = symbol_name(ev->names, path->a);
     const char *real;
@@ -238,9 +235,9 @@ void load_imports(Eval *ev, Module *module)
     }
 }
 
-ParseLimits parse_limits(const Eval *ev)
+ParseLimits parse_limits(const Lang *lang)
 {
-    uint64_t nesting = ev->lang->limits.nesting;
+    uint64_t nesting = lang->limits.nesting;
     return (ParseLimits){nesting < UINT32_MAX ? (uint32_t)nesting : UINT32_MAX};
 }
 
@@ -259,8 +256,8 @@ Module *module_new(Eval *ev, uint32_t file, bool is_library)
 Module *module_load_text(Eval *ev, uint32_t file, bool is_library)
 {
     Module *module = module_new(ev, file, is_library);
-    module->failed = !parse(&module->ast, &ev->lang->sources, file, ev->names, parse_limits(ev),
-                            false, ev->sink);
+    module->failed = !parse(&module->ast, &ev->lang->sources, file, ev->names,
+                            parse_limits(ev->lang), false, ev->sink);
     if (module->ast.nodes.count > 1 && module->ast.root) {
         load_imports(ev, module);
         resolve_module(ev, module);

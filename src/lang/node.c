@@ -183,7 +183,7 @@ static bool fill_common(Eval *ev, NodeValue *node, CommonField field, Value v, W
             return true;
         }
         break;
-    case COMMON_COLOR:
+    default: // COMMON_COLOR
         if (v.type == VALUE_COLOR) {
             node->color =
                 (Rgb){(float)v.components[0], (float)v.components[1], (float)v.components[2]};
@@ -327,9 +327,6 @@ Value eval_with(Eval *ev, Env *env, AstId id)
     bool good = true;
     for (uint32_t i = 0; i < words[0]; ++i) {
         const AstNode *field = env_node(env, words[1 + i]);
-        if (field->tag != AST_FIELD) {
-            continue;
-        }
         int index = field_index(ev, copy->type, field->a);
         if (index == FIELD_BAD) {
             Span at = env_span(env, words[1 + i]);
@@ -345,12 +342,12 @@ Value eval_with(Eval *ev, Env *env, AstId id)
 
 // --- Keeping nodes in the scene --------------------------------------------------------------
 
+// Whether a node of the same type that is kept is the same.
 static bool is_same_node(const Scene *scene, const NodeValue *node, Category category, uint32_t id)
 {
     const SceneNode *other = scene_node(scene, category, id);
     const NodeType *type = scene->schema->types[node->type];
-    return other->type == node->type &&
-           str_equal(node->name, str_from(scene->names.items[other->name])) &&
+    return str_equal(node->name, str_from(scene->names.items[other->name])) &&
            memcmp(scene_params(scene, other), node->params, type->size) == 0;
 }
 

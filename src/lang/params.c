@@ -315,7 +315,7 @@ Value eval_param(Eval *ev, Env *env, AstId item)
 
 bool check_settings(Eval *ev, Module *module)
 {
-    bool good = true;
+    Diag *diag = NULL;
     for (size_t i = 0; i < ev->lang->setting_count; ++i) {
         if (ev->settings_used[i / 64] >> (i % 64) & 1) {
             continue;
@@ -328,14 +328,17 @@ bool check_settings(Eval *ev, Module *module)
                 suggest_name(given, symbol_name(ev->names, global->name), &best, &distance);
             }
         }
-        Diag *diag = report(ev, E0309, (Span){0}, "--set %.*s: the scene has no such param",
-                            (int)given.length, given.at);
+        if (diag) { // which stands nowhere, so that one is all that is kept
+            diag_note(ev->sink, diag, "nor for --set %.*s", (int)given.length, given.at);
+        } else {
+            diag = report(ev, E0309, (Span){0}, "--set %.*s: the scene has no such param",
+                          (int)given.length, given.at);
+        }
         if (best.length) {
             diag_note(ev->sink, diag, "did you mean `%s`?", best.at);
         }
-        good = false;
     }
-    return good;
+    return !diag;
 }
 
 // --- As JSON ---------------------------------------------------------------------------------

@@ -329,7 +329,7 @@ static void report_missing(Resolver *r, AstId id, const KindInfo *kind, uint64_t
 
 static bool is_declaration(AstTag tag)
 {
-    return tag == AST_LET || tag == AST_FN || tag == AST_ERROR || tag == AST_NONE;
+    return tag == AST_LET || tag == AST_FN;
 }
 
 static void check_kind_items(Resolver *r, const NodeType *type, const uint32_t *items,
@@ -431,11 +431,7 @@ static void resolve_with(Resolver *r, AstId id)
     uint32_t list = node_at(r, id)->b;
     for (uint32_t i = 0; i < ast_list_count(r->ast, list); ++i) {
         AstId field = ast_list_items(r->ast, list)[i];
-        if (node_at(r, field)->tag == AST_FIELD) {
-            resolve_expression(r, node_at(r, field)->b);
-        } else if (!is_declaration(node_at(r, field)->tag)) {
-            report(r->ev, E0311, span_at(r, field), "`with` takes fields, not items");
-        }
+        resolve_expression(r, node_at(r, field)->b);
     }
 }
 

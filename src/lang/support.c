@@ -46,13 +46,13 @@ Diag *report(Eval *ev, DiagCode code, Span at, const char *format, ...)
     va_end(arguments);
     ev->steps +=
         STEPS_A_REPORT; // a loop may make the same one, which is kept once, again and again
-    uint32_t before = ev->sink->count;
     Diag *diag = diag_report(ev->sink, code, at, "%s", text);
-    if (ev->sink->count != before) { // else it is not kept
+    if (diag_is_kept(ev->sink, diag)) {
         add_calls(ev, diag);
     }
-    if (ev->sink->dropped || ev->sink->out_of_memory) {
-        stop_evaluation(ev, STOP_RUN); // enough
+    // Enough of them; but for warnings alone the scene is made all the same.
+    if ((ev->sink->dropped && ev->sink->errors) || ev->sink->out_of_memory) {
+        stop_evaluation(ev, STOP_RUN);
     }
     return diag;
 }
@@ -104,7 +104,7 @@ void suggest_name(Str name, Str candidate, Str *best, size_t *distance)
     if (found > limit && shorter >= 3 && memcmp(name.at, candidate.at, shorter) == 0) {
         found = limit; // one abbreviates the other
     }
-    if (found <= limit && found < *distance && found < candidate.length && candidate.length) {
+    if (found <= limit && found < *distance && found < candidate.length) {
         *distance = found;
         *best = candidate;
     }

@@ -15,9 +15,7 @@ static void read_files(Eval *ev, uint32_t file)
         report_full(ev);
         return;
     }
-    if (!kinds_init(ev)) {
-        out_of_memory(ev);
-    }
+    kinds_init(ev);
     ev->region = 1;
     ev->arena = &ev->regions[1];
     module_load_text(ev, file, false);
@@ -172,9 +170,9 @@ static bool is_written_out(const Ast *ast, AstId id, int depth)
     case AST_COLOR:
         return node->op == COLOR_DECODED;
     case AST_UNARY:
-        return depth < DEEPEST && node->a && is_written_out(ast, node->a, depth + 1);
+        return depth < DEEPEST && is_written_out(ast, node->a, depth + 1);
     case AST_BINARY:
-        return depth < DEEPEST && node->a && node->b && is_written_out(ast, node->a, depth + 1) &&
+        return depth < DEEPEST && is_written_out(ast, node->a, depth + 1) &&
                is_written_out(ast, node->b, depth + 1);
     default:
         return false;
@@ -185,7 +183,7 @@ static bool is_color_call(const Ast *ast, const AstNode *call)
 {
     static const char *const names[] = {"rgb", "srgb", "hsv", "gray", "blackbody"};
     const AstNode *callee = ast_node(ast, call->a);
-    if (call->tag != AST_CALL || callee->tag != AST_NAME || callee->op != NAME_BUILTIN) {
+    if (callee->tag != AST_NAME || callee->op != NAME_BUILTIN) {
         return false;
     }
     bool known = false;
@@ -245,7 +243,7 @@ const Param *survey_field(const Survey *survey, const NodeType *type, const AstN
 {
     *common = 0;
     int number = schema_find(survey->lang->schema, str_from(type->name));
-    int index = number < 0 ? FIELD_BAD : field_index(survey->ev, (uint32_t)number, field->a);
+    int index = field_index(survey->ev, (uint32_t)number, field->a);
     if (index == FIELD_BAD || index == FIELD_ITEMS || index == FIELD_OF) {
         return NULL;
     }

@@ -244,6 +244,7 @@ static bool run_program(const Program *program, Way way, Outcome *outcome)
     if (way.limit) {
         memcpy((char *)&lang.limits + way.limit - 1, &way.least, sizeof way.least);
     }
+    lang.sink.limit = (uint32_t)lang.limits.diagnostics;
     lang.moment = program->moment;
     lang.settings = settings;
     lang.setting_count = program->setting_count;

@@ -406,6 +406,33 @@ static void limit(void **state)
     end(&bench);
 }
 
+// Errors are what must be seen: beyond the limit they take the places of warnings.
+static void errors_before_warnings(void **state)
+{
+    (void)state;
+    Bench bench;
+    begin(&bench);
+    bench.sink.limit = 3;
+    uint32_t file = add(&bench, "0123456789");
+    for (uint32_t i = 0; i < 5; ++i) {
+        diag_report(&bench.sink, W0301, (Span){file, i, i + 1}, "unused");
+    }
+    for (uint32_t i = 5; i < 9; ++i) {
+        Diag *diag = diag_report(&bench.sink, E0701, (Span){file, i, i + 1}, "wrong");
+        assert_int_equal(diag_is_kept(&bench.sink, diag), i < 8);
+    }
+    diag_report(&bench.sink, E0701, (Span){file, 5, 6}, "wrong"); // was reported
+    diag_report(&bench.sink, W0301, (Span){file, 9, 10}, "unused");
+    assert_int_equal(bench.sink.count, 3);
+    assert_int_equal(bench.sink.errors, 4);
+    assert_int_equal(bench.sink.warnings, 6);
+    assert_int_equal(bench.sink.dropped, 7);
+    for (uint32_t i = 0; i < 3; ++i) {
+        assert_int_equal(bench.sink.items[i].severity, SEVERITY_ERROR);
+    }
+    end(&bench);
+}
+
 // Reports a good deal; used with every allocation failing in turn.
 static bool report_much(void)
 {
@@ -520,6 +547,7 @@ int main(void)
         cmocka_unit_test(colors),
         cmocka_unit_test(sorted_and_without_doubles),
         cmocka_unit_test(limit),
+        cmocka_unit_test(errors_before_warnings),
         cmocka_unit_test(survives_every_failed_allocation),
         cmocka_unit_test(codes),
         cmocka_unit_test(utf8),

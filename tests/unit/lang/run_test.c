@@ -26,6 +26,9 @@ static void limits_are_parsed(void **state)
     assert_false(limits_set(&limits, STR("call_depth=-1")));
     assert_false(limits_set(&limits, STR("depth=1")));
     assert_false(limits_set(&limits, STR("steps=99999999999999999999")));
+    assert_true(limits_set(&limits, STR("steps=18446744073709551615")));
+    assert_false(limits_set(&limits, STR("steps=18446744073709551616")));
+    assert_false(limits_set(&limits, STR("steps=_1")));
 }
 
 // The deepest that the limits allow: each call goes through 190 brackets.
@@ -350,6 +353,65 @@ static void params_are_listed_as_json(void **state)
     remove_folder(folder);
 }
 
+// The params of a file with these lines, as lang_params_json writes them; to be freed.
+static char *params_of(const char *lines)
+{
+    char folder[] = "/tmp/scn_params_XXXXXX", path[128], *text;
+    size_t size;
+    assert_non_null(mkdtemp(folder));
+    write_file(folder, "a.scn", lines);
+    write_file(folder, "lib.scn", "param a: int = 1\nlet b = a");
+    write_file(folder, "broken.scn", "param a: int = ");
+    snprintf(path, sizeof path, "%s/a.scn", folder);
+    Sandbox sandbox;
+    Lang lang;
+    sandbox_init(&sandbox);
+    assert_int_equal(sandbox_allow(&sandbox, folder), IO_OK);
+    assert_true(lang_init(&lang, &test_schema, &sandbox));
+    FILE *out = open_memstream(&text, &size);
+    lang_params_json(&lang, path, "a.scn", out);
+    fclose(out);
+    lang_free(&lang);
+    sandbox_free(&sandbox);
+    remove_folder(folder);
+    return text;
+}
+
+static void expect_params(const char *lines, const char *expected)
+{
+    char *text = params_of(lines);
+    if (!strstr(text, expected) || (!*expected && *text)) {
+        fail_msg("%s\ngives %s\nand not %s", lines, text, expected);
+    }
+    free(text);
+}
+
+static void params_of_all_sorts_are_listed(void **state)
+{
+    (void)state;
+    expect_params("let a = 1", "[]\n");
+    expect_params("param a: bool = true", "\"default\": true, \"value\": true,");
+    expect_params("param a: number = 0.5 in 0..<1",
+                  "\"min\": 0, \"max\": 1, \"exclude_max\": true,");
+
+    expect_params("param a: string = \"b\\n\\\\c\" \"x\\ty\"", "\"default\": \"b\\u000a\\\\c\"");
+    expect_params("param a: string = \"\"", "\"default\": \"\"");
+    expect_params("param a: vector = (1, 2)", "\"default\": \"(1, 2)\"");
+    expect_params("param a: integer = 1", "\"type\": \"\", \"default\": 1, \"value\": null");
+    expect_params("param a: integer = 1 in 0..3", "\"min\": 0, \"max\": 3");
+    expect_params("param a: int = 1 in 2", "\"value\": null, \"description\"");
+    expect_params("param a: int = 1 in [1, \"b\", [2, true]]",
+                  "\"choices\": [1, \"b\", [2, true]]");
+    expect_params("param a: length = 1 in 0..2", "\"min\": \"0m\", \"max\": \"2m\"");
+    expect_params("param a: length = 1s", "\"default\": \"1s\", \"value\": null");
+    expect_params("import \"lib.scn\" as lib\nimport \"lib.scn\" as again\nlet c = lib.b",
+                  "\"name\": \"lib.a\"");
+    expect_params("param b: int = 2\nimport \"lib.scn\" as lib\nlet c = lib.b", "\"name\": \"b\"");
+    expect_params("import \"nowhere.scn\" as lib\nparam a: int = 2", "\"name\": \"a\"");
+    expect_params("import \"a.scn\" as a\nparam b: int = 2", "\"name\": \"b\"");
+    expect_params("import \"broken.scn\" as a\nparam b: int = 2", "");
+}
+
 static void tokens_of_all_kinds_are_dumped(void **state)
 {
     (void)state;
@@ -407,6 +469,7 @@ int main(void)
         cmocka_unit_test(texts_end_anywhere),
         cmocka_unit_test(settings_change_hash_and_params),
         cmocka_unit_test(params_are_listed_as_json),
+        cmocka_unit_test(params_of_all_sorts_are_listed),
         cmocka_unit_test(tokens_of_all_kinds_are_dumped),
         cmocka_unit_test(noise_is_smooth_and_bounded),
     };
