@@ -103,9 +103,9 @@ typedef struct ShapeClass {
     bool (*sample_solid_angle)(const void *params, const Affine *to_world, const void *table,
                                Vec3 reference, double u0, double u1, ShapeSample *out);
     // What the two above choose for a light that emits alike everywhere: the point alone, by solid
-    // angle where sample_solid_angle would, else by area. `table` is there. NULL: the same, by way
-    // of them.
-    void (*aim)(const void *params, const Affine *to_world, const void *table, Vec3 reference,
+    // angle where sample_solid_angle would, else by area. `table` is there. NULL, or false where it
+    // can't: the same, by way of them.
+    bool (*aim)(const void *params, const Affine *to_world, const void *table, Vec3 reference,
                 double u0, double u1, ShapeAim *out);
     // The solid-angle pdf with which sample_solid_angle would choose `direction` (unit, world) that
     // hits the shape; 0 where it wouldn't apply.

@@ -273,8 +273,8 @@ static bool sample(const World *world, const Light *light, Vec3 reference, doubl
     }
     ShapeAim aim;
     double facing;
-    if (class->aim && data->is_even) {
-        class->aim(data->shape, &data->to_world, data->table, reference, u0, u1, &aim);
+    if (class->aim && data->is_even &&
+        class->aim(data->shape, &data->to_world, data->table, reference, u0, u1, &aim)) {
         if (!take_aim(data, &aim, reference, &facing, out)) {
             return false;
         }

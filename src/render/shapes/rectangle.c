@@ -270,7 +270,7 @@ static bool rectangle_sample_solid_angle(const void *params, const Affine *to_wo
     return true;
 }
 
-static void rectangle_aim(const void *params, const Affine *to_world, const void *table,
+static bool rectangle_aim(const void *params, const Affine *to_world, const void *table,
                           Vec3 reference, double u0, double u1, ShapeAim *out)
 {
     (void)params;
@@ -288,6 +288,7 @@ static void rectangle_aim(const void *params, const Affine *to_world, const void
     out->p = add(t->corner.p, add(scale(t->corner.tangent, u0), scale(t->corner.bitangent, u1)));
     out->normal = t->corner.geometric;
     out->error = t->corner.error;
+    return true;
 }
 
 static double rectangle_solid_angle_pdf(const void *params, const Affine *to_world,

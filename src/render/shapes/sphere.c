@@ -82,10 +82,14 @@ static void sphere_point(const Scene *scene, const void *params, const Ray *ray,
     sphere_point_at(s, normalize(from_center), out);
 }
 
-// What sampling by area needs of a transform.
+// What sampling needs of a transform.
 typedef struct SphereTable {
     double area, most; // most: the largest |C n|
-    bool similar;
+    bool similar;      // a sphere in the world, too: there
+    Vec3 center;
+    double radius;
+    bool upright; // moved and scaled, not turned; then
+    double error; // of points on it
 } SphereTable;
 
 // An ellipsoid's area, for |C n|² = nᵀ CᵀC n over the unit sphere: 4π R_G of CᵀC's eigenvalues.
@@ -93,10 +97,27 @@ static SphereTable sphere_table(const Sphere *s, const Affine *to_world)
 {
     Affine cofactors = affine_cofactors(to_world);
     Vec3 e = affine_gram_eigenvalues(&cofactors);
-    double factor;
-    return (SphereTable){.area = 4 * PI * s->radius * s->radius * carlson_rg(e.x, e.y, e.z),
+    double factor = 0;
+    SphereTable table = {.area = 4 * PI * s->radius * s->radius * carlson_rg(e.x, e.y, e.z),
                          .most = sqrt(max_component(e)),
                          .similar = affine_is_similarity(to_world, &factor)};
+    table.center = transform_point(to_world, s->center);
+    table.radius = s->radius * factor;
+    table.upright = true;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const double m = to_world->m[i][j];
+            table.upright = table.upright && m == (i == j ? to_world->m[0][0] : 0);
+        }
+    }
+    // The farthest point of the box, so that no other's error is larger.
+    ShapePoint far = {.p = add(vec3_abs(s->center), vec3(s->radius, s->radius, s->radius)),
+                      .geometric = {0, 0, 1},
+                      .shading = {0, 0, 1},
+                      .error = rounding_error(max_abs(s->center) + s->radius)};
+    shape_point_map(to_world, &far);
+    table.error = far.error + rounding_error(max_abs(table.center) + table.radius);
+    return table;
 }
 
 static void *sphere_prepare_sampling(const Scene *scene, const void *params, const Affine *to_world,
@@ -150,17 +171,23 @@ typedef struct SphereCone {
     double one_minus_cos;
 } SphereCone;
 
-static bool sphere_cone(const Sphere *s, const Affine *to_world, Vec3 reference, SphereCone *cone)
+static bool sphere_cone(const Sphere *s, const Affine *to_world, const SphereTable *table,
+                        Vec3 reference, SphereCone *cone)
 {
-    double factor;
-    if (!affine_is_similarity(to_world, &factor)) {
-        return false;
+    if (table) {
+        cone->center = table->center;
+        cone->radius = table->radius;
+    } else {
+        double factor;
+        if (!affine_is_similarity(to_world, &factor)) {
+            return false;
+        }
+        cone->center = transform_point(to_world, s->center);
+        cone->radius = s->radius * factor;
     }
-    cone->center = transform_point(to_world, s->center);
-    cone->radius = s->radius * factor;
     Vec3 to_center = sub(cone->center, reference);
     cone->distance = length(to_center);
-    if (!(cone->distance > cone->radius * (1 + 1e-9))) {
+    if ((table && !table->similar) || !(cone->distance > cone->radius * (1 + 1e-9))) {
         return false;
     }
     cone->axis = scale(to_center, 1 / cone->distance);
@@ -170,25 +197,46 @@ static bool sphere_cone(const Sphere *s, const Affine *to_world, Vec3 reference,
     return true;
 }
 
-// Uniform in the cone; the point from the law of cosines (pbrt 4, 6.2.4), which stays on the sphere
-// however far it is.
+// Uniform in the cone: the normal of the point, by the law of cosines (pbrt 4, 6.2.4), which stays
+// on the sphere however far it is.
+static Vec3 sphere_cone_normal(const SphereCone *cone, double u0, double u1)
+{
+    double less = u0 * cone->one_minus_cos; // 1 - cos theta
+    double sin_squared = less * (2 - less);
+    double ratio = smaller(1, sin_squared / cone->sin_squared);
+    double cos_alpha = ratio * sqrt(cone->sin_squared) + (1 - less) * sqrt(1 - ratio);
+    double sin_alpha = sqrt(larger(0, 1 - cos_alpha * cos_alpha));
+    Frame frame = frame_from_normal(neg(cone->axis));
+    return from_local(&frame,
+                      vec3(sin_alpha * cos(2 * PI * u1), sin_alpha * sin(2 * PI * u1), cos_alpha));
+}
+
+// The same as below without what textures ask for.
+static bool sphere_aim(const void *params, const Affine *to_world, const void *table_of,
+                       Vec3 reference, double u0, double u1, ShapeAim *out)
+{
+    const SphereTable *table = table_of;
+    SphereCone cone;
+    if (!table || !table->upright || !sphere_cone(params, to_world, table, reference, &cone)) {
+        return false;
+    }
+    out->normal = normalize(sphere_cone_normal(&cone, u0, u1));
+    out->p = add_scaled(cone.center, out->normal, cone.radius);
+    out->error = table->error;
+    out->pdf = 1 / (2 * PI * cone.one_minus_cos);
+    out->by_angle = true;
+    return true;
+}
+
 static bool sphere_sample_solid_angle(const void *params, const Affine *to_world, const void *table,
                                       Vec3 reference, double u0, double u1, ShapeSample *out)
 {
-    (void)table;
     const Sphere *s = params;
     SphereCone cone;
-    if (!sphere_cone(s, to_world, reference, &cone)) {
+    if (!sphere_cone(s, to_world, table, reference, &cone)) {
         return false;
     }
-    double less = u0 * cone.one_minus_cos; // 1 - cos theta
-    double sin_squared = less * (2 - less);
-    double ratio = fmin(1, sin_squared / cone.sin_squared);
-    double cos_alpha = ratio * sqrt(cone.sin_squared) + (1 - less) * sqrt(1 - ratio);
-    double sin_alpha = sqrt(fmax(0, 1 - cos_alpha * cos_alpha));
-    Frame frame = frame_from_normal(neg(cone.axis));
-    Vec3 n = from_local(
-        &frame, vec3(sin_alpha * cos(2 * PI * u1), sin_alpha * sin(2 * PI * u1), cos_alpha));
+    const Vec3 n = sphere_cone_normal(&cone, u0, u1);
     // Back to the shape's own space for its uv: a similarity's inverse is its transpose over s².
     double factor = cone.radius / s->radius;
     Vec3 own = scale(transform_transposed(to_world, n), 1 / factor);
@@ -202,10 +250,11 @@ static bool sphere_sample_solid_angle(const void *params, const Affine *to_world
 static double sphere_solid_angle_pdf(const void *params, const Affine *to_world, const void *table,
                                      Vec3 reference, Vec3 direction)
 {
-    (void)table;
     (void)direction;
     SphereCone cone;
-    return sphere_cone(params, to_world, reference, &cone) ? 1 / (2 * PI * cone.one_minus_cos) : 0;
+    return sphere_cone(params, to_world, table, reference, &cone)
+               ? 1 / (2 * PI * cone.one_minus_cos)
+               : 0;
 }
 
 const ShapeClass sphere_shape = {
@@ -238,6 +287,7 @@ const ShapeClass sphere_shape = {
     .area = sphere_area,
     .sample_area = sphere_sample_area,
     .sample_solid_angle = sphere_sample_solid_angle,
+    .aim = sphere_aim,
     .solid_angle_pdf = sphere_solid_angle_pdf,
     .prepare_sampling = sphere_prepare_sampling,
 };
