@@ -14,8 +14,8 @@
 enum { MOST_CASTERS = 1 << 22, MOST_GROUPS = 32, MOST_PAIRS = 1 << 16 };
 // The part of photons that is spread evenly over lights and groups of casters.
 #define EVEN_PART 0.1
-// With which chance a photon is seen by the camera where it could also go on.
-#define SEEN_PART 0.75F
+// With which chance a photon on something matt is seen by the camera, and ends, or else goes on.
+#define SEEN_PART 0.8F
 // Numbers of the sampler: for the start, and for each surface.
 enum { START_DIMENSIONS = 8, SURFACE_DIMENSIONS = 4 };
 
@@ -422,49 +422,85 @@ static bool leave(const Photons *p, const StartNumbers *n, double pair, Integrat
 
 // --- On the way ----------------------------------------------------------------------------------
 
-// Scatters a photon by one of the delta lobes; false where it takes none.
+// Takes a direction that was chosen by a delta lobe. What is carried is flux, not radiance: it
+// isn't squeezed in glass, and it is the geometric normal's cosines that count (Veach 1997, 5.3.2).
+// The normal h by which the direction was chosen, of a map perhaps, follows from the directions.
+static double delta_adjoint(const ShadingPoint *point, const BsdfSample *s, bool exact)
+{
+    const double eta = (double)s->eta;
+    const bool crosses = s->wi.z * point->wo.z < 0;
+    const Vec3 h = crosses ? add_scaled(point->wo, s->wi, eta) : add(point->wo, s->wi);
+    const double out_h = fabs(dot(s->wi, h)), in_h = fabs(dot(point->wo, h));
+    const double out_g = fabs(dot(s->wi, point->geometric)), in_g = fabs(point->wo_side);
+    if (exact) {
+        return eta * eta;
+    }
+    return in_g > 0 && out_h > 0 ? eta * eta * in_h * out_g / (in_g * out_h) : 0;
+}
+
+// The weight of a photon that comes along `in` and leaves towards `out` (both unit, in the world):
+// the scattering is what a path sees that looks against it, flux over area that of the geometric
+// normal. Without the density of `out`.
+static Rgb smooth_adjoint(const World *world, const Surface *at, const WorldMaterial *material,
+                          double outside, Vec3 in, Vec3 out, Vec3 *wi, bool *crosses)
+{
+    Surface surface = *at;
+    surface.front = dot(out, surface.geometric) > 0;
+    ShadingPoint point;
+    shading_point(world, &surface, neg(out), &point);
+    point.outside = outside;
+    *wi = to_local(&point.frame, neg(in));
+    *crosses = wi->z * point.wo.z < 0;
+    BsdfEval bsdf;
+    material_evaluate(&point, material, *wi, &bsdf);
+    const double arriving = fabs(dot(in, surface.geometric));
+    const double leaving = fabs(dot(out, surface.geometric));
+    return arriving > 0 ? rgb_scale(bsdf.value, (float)(leaving / arriving)) : rgb_gray(0);
+}
+
+// Scatters a photon; false where it isn't.
 static bool go_on(const World *world, const Surface *surface, const WorldMaterial *material,
                   double outside, const float numbers[SURFACE_DIMENSIONS], Photon *photon)
 {
     ShadingPoint point;
     shading_point(world, surface, photon->ray.direction, &point);
     point.outside = outside;
-    // As the path tracer, which would look from the other side: no light from behind the shading
-    // normal.
-    const Vec3 back = neg(photon->ray.direction);
-    if (surface->bent && dot(back, surface->shading) * dot(back, surface->geometric) <= 0) {
-        return false;
-    }
     BsdfSample s;
-    if (!material_choose(&point, material, numbers[2], numbers[0], numbers[1], &s) ||
-        !(s.lobes & LOBE_DELTA)) {
+    if (!material_choose(&point, material, numbers[2], numbers[0], numbers[1], &s)) {
         return false;
     }
-    Vec3 direction = photon->ray.direction;
-    double adjoint = 1;
-    if (!(s.lobes & LOBE_PASS)) {
-        if (photon->scatterings == 0 && !caster_is_bounded(world, surface->shape)) {
+    if (s.lobes & LOBE_PASS) {
+        photon->flux = rgb_mul(photon->flux, s.weight);
+        photon->ray = surface_spawn(surface, photon->ray.direction);
+        return true;
+    }
+    const bool delta = s.lobes & material->lobes & LOBE_DELTA;
+    if (photon->scatterings == 0 && !(delta && caster_is_bounded(world, surface->shape))) {
+        return false;
+    }
+    const Vec3 direction = renormalize(from_local(&point.frame, s.wi));
+    bool crosses = s.wi.z * point.wo.z < 0;
+    Rgb weight;
+    if (s.lobes & LOBE_DELTA) {
+        // As the path tracer, which would look from the other side: no light from behind the
+        // shading normal.
+        const Vec3 back = neg(photon->ray.direction);
+        if (surface->bent && dot(back, surface->shading) * dot(back, surface->geometric) <= 0) {
             return false;
         }
-        direction = renormalize(from_local(&point.frame, s.wi));
-        // What is carried is flux, not radiance: it isn't squeezed in glass, and it is the
-        // geometric normal's cosines that count (Veach 1997, 5.3.2). The normal h by which the
-        // direction was chosen, of a map perhaps, follows from the directions.
-        const double eta = (double)s.eta;
-        const bool crosses = s.wi.z * point.wo.z < 0;
-        const Vec3 h = crosses ? add_scaled(point.wo, s.wi, eta) : add(point.wo, s.wi);
-        const double out_h = fabs(dot(s.wi, h)), in_h = fabs(dot(point.wo, h));
-        const double out_g = fabs(dot(s.wi, point.geometric)), in_g = fabs(point.wo_side);
-        adjoint = eta * eta;
-        if (point.bent || surface->bent || material->whole) {
-            adjoint *= in_g > 0 && out_h > 0 ? in_h * out_g / (in_g * out_h) : 0;
-        }
-        if (crosses && world->media) {
-            medium_cross(world, &photon->media, surface);
-        }
-        ++photon->scatterings;
+        const bool exact = !point.bent && !surface->bent && !material->whole;
+        weight = rgb_scale(s.weight, (float)delta_adjoint(&point, &s, exact));
+    } else {
+        Vec3 wi;
+        weight = smooth_adjoint(world, surface, material, outside, photon->ray.direction, direction,
+                                &wi, &crosses);
+        weight = rgb_scale(weight, 1 / s.pdf);
     }
-    photon->flux = rgb_scale(rgb_mul(photon->flux, s.weight), (float)adjoint);
+    if (crosses && world->media) {
+        medium_cross(world, &photon->media, surface);
+    }
+    ++photon->scatterings;
+    photon->flux = rgb_mul(photon->flux, weight);
     photon->ray = surface_spawn(surface, direction);
     return !rgb_is_black(photon->flux);
 }
@@ -480,32 +516,24 @@ static bool is_seen(const World *world, const PhotonFilm *film, const Surface *a
         !(fabs(view.y - 0.5) <= 0.5 + film->margin_y)) {
         return false;
     }
-    Surface surface = *at;
-    surface.front = dot(view.direction, surface.geometric) > 0;
-    ShadingPoint point;
-    shading_point(world, &surface, neg(view.direction), &point);
-    point.outside = outside;
-    const Vec3 wi = to_local(&point.frame, neg(photon->ray.direction));
-    BsdfEval bsdf;
-    material_evaluate(&point, material, wi, &bsdf);
-    const double arriving = fabs(dot(photon->ray.direction, surface.geometric));
-    if (rgb_is_black(bsdf.value) || !(arriving > 0)) {
+    Vec3 wi;
+    bool crosses;
+    const Rgb scattered = smooth_adjoint(world, at, material, outside, photon->ray.direction,
+                                         view.direction, &wi, &crosses);
+    if (rgb_is_black(scattered)) {
         return false;
     }
     MediumStack media = photon->media;
-    if (world->media && wi.z * point.wo.z < 0) {
-        medium_cross(world, &media, &surface);
+    if (world->media && crosses) {
+        medium_cross(world, &media, at);
     }
-    const Ray ray = surface_spawn_to(&surface, view.from, view.distance, 0, 0);
+    const Ray ray = surface_spawn_to(at, view.from, view.distance, 0, 0);
     ++stats->shadow_rays;
     const Rgb visible = medium_visibility(world, &media, &ray);
-    // The value contains the cosine of the shading normal on the light's side, where flux over area
-    // is that of the geometric one.
-    const double cosine = fabs(dot(view.direction, surface.geometric));
-    const double factor = view.film_area * cosine / arriving;
     out->x = view.x;
     out->y = view.y;
-    out->light = rgb_scale(rgb_mul(rgb_mul(photon->flux, bsdf.value), visible), (float)factor);
+    out->light =
+        rgb_scale(rgb_mul(rgb_mul(photon->flux, scattered), visible), (float)view.film_area);
     if (!rgb_is_finite(out->light)) {
         ++stats->bad_samples;
         return false;
@@ -571,16 +599,14 @@ bool photon_trace(const Photons *p, const PhotonFilm *film, Sampler *sampler,
         for (int k = 0; k < SURFACE_DIMENSIONS; ++k) {
             numbers[k] = sampler_1d(sampler);
         }
-        const bool smooth = (material->lobes & LOBE_SMOOTH) && photon.scatterings > 0;
-        const bool goes_on = material->lobes & (LOBE_DELTA | LOBE_PASS);
-        if (smooth && (!goes_on || numbers[3] < SEEN_PART)) {
-            photon.flux = goes_on ? rgb_scale(photon.flux, 1 / SEEN_PART) : photon.flux;
-            return is_seen(world, film, &surface, material, outside, &photon, &n, stats, out);
+        if ((material->lobes & LOBE_SMOOTH) && photon.scatterings > 0) {
+            const bool seen = numbers[3] < SEEN_PART;
+            photon.flux = rgb_scale(photon.flux, 1 / (seen ? SEEN_PART : 1 - SEEN_PART));
+            if (seen) {
+                return is_seen(world, film, &surface, material, outside, &photon, &n, stats, out);
+            }
         }
-        if (smooth) {
-            photon.flux = rgb_scale(photon.flux, 1 / (1 - SEEN_PART));
-        }
-        if (!goes_on || !go_on(world, &surface, material, outside, numbers, &photon)) {
+        if (!go_on(world, &surface, material, outside, numbers, &photon)) {
             return false;
         }
     }

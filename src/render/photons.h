@@ -1,17 +1,18 @@
 // Caustics that the camera sees on matt things, from the lights' side: photons leave the lights
 // towards what mirrors and refracts (casters.h), and wherever they come to something matt after one
-// or more such scatterings they are seen by the camera (particle tracing: Arvo 1986, "Backward Ray
-// Tracing"; Dutré, Lafortune and Willems 1993, "Monte Carlo Light Tracing with Direct Computation
-// of Pixel Intensities"; the adjoints of scattering are those of Veach 1997, chapter 5).
+// or more such scatterings they are seen by the camera, or go on (particle tracing: Arvo 1986,
+// "Backward Ray Tracing"; Dutré, Lafortune and Willems 1993, "Monte Carlo Light Tracing with Direct
+// Computation of Pixel Intensities"; the adjoints of scattering are those of Veach 1997, chapter
+// 5).
 //
 // Photons alone find the light of paths
 //
-//     camera, one scattering by a smooth lobe, then one or more by delta lobes, light
+//     camera, a scattering by a smooth lobe, any others, one by a delta lobe, light
 //
-// from the lights of photons_of_light, by way of a bounded shape next to the light; the path tracer
-// leaves those out, and finds all else. So each path is found once, in one way, and the picture's
-// mean stays what it is; but light of lamps without a size, which no ray finds, is found in
-// addition.
+// from the lights of photons_of_lights, by way of a bounded shape next to the light; the path
+// tracer leaves those out, and finds all else. So each path is found once, in one way, and the
+// picture's mean stays what it is; but light of lamps without a size, which no ray finds, is found
+// in addition.
 #ifndef RENDER_PHOTONS_H
 #define RENDER_PHOTONS_H
 

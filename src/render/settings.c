@@ -197,7 +197,7 @@ static const Param render_params[] = {
      .default_text = "\"plain\"",
      .doc = "how the \"path\" integrator finds light that mirrors and glass throw on something "
             "matt: by luck (plain), also where rays sent from the lamps say that it comes from "
-            "(guided), or, as far as the camera sees it straight, by following light from the "
+            "(guided), or, but for what is seen in mirrors and glass, by following light from the "
             "lamps (traced); the mean stays the same, but that traced also finds the caustics of "
             "lamps without a size"},
     {.name = "ao_distance",

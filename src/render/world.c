@@ -101,7 +101,7 @@ static bool build_parts(World *world, unsigned threads, DiagSink *sink)
     }
     world->light_items = light_set_items(world->lights);
     world->only_light = light_set_only(world->lights);
-    if (scene_render(scene).caustics == CAUSTICS_GUIDED &&
+    if (scene_render(scene).caustics != CAUSTICS_PLAIN &&
         !guide_build(world, &world->arena, &world->guide)) {
         diag_report(sink, E0001, (Span){0}, "no memory to look for light by way of mirrors");
         return false;

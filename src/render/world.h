@@ -23,9 +23,8 @@ typedef struct World {
     uint32_t only_light;      // the one that light_choose chooses everywhere, or NONE_ID
     const Guide
         *guide; // to light by way of mirrors and glass; NULL: none is asked for, or none found
-    // By light: whether what the camera sees of it by way of one smooth lobe and then delta lobes
-    // is found by photons (photons.h), and is to be left out of paths. NULL: no light's is. Set by
-    // who traces photons.
+    // By light: whether its caustics are found by photons (photons.h), and are to be left out of
+    // paths. NULL: no light's are. Set by who traces photons.
     const bool *photon_lights;
     TextureSet *textures;
     const WorldMaterial *materials; // material_count + 1; the last is the default

@@ -32,6 +32,8 @@ typedef struct Case {
 #define FILM   "film { width: 24, height: 16, filter: \"box\" }\n"
 // Sees a piece of the floor beside the ball.
 #define CAMERA "camera { position: (0.4, 3, 3), look_at: (0.5, 0, 0), fov: 20deg }\n"
+// Sees none of the ball.
+#define BESIDE "camera { position: (2.5, 1, 1.5), look_at: (0.55, 0, 0), fov: 14deg }\n"
 #define FLOOR  "plane { material: lambert { color: rgb(0.7, 0.6, 0.5) } }\n"
 #define LAMP                                                                                       \
     "area_light { shape: rectangle { corner: (-2.2, 3, -0.4), u: (0.8, 0, 0), v: (0, 0, 0.8) }, "  \
@@ -137,10 +139,10 @@ static const Case cases[] = {
     // Lamps without a size, which paths find nothing of behind glass, and very small ones.
     {"point light", TRACED "point_light { position: (-2, 3, 0), power: 50W }\n",
      TRACED "area_light { shape: sphere { center: (-2, 3, 0), radius: 0.01 }, power: 50W }\n",
-     FILM CAMERA FLOOR BALL, 64, 0.012},
+     FILM BESIDE FLOOR BALL, 256, 0.012},
     {"sunlight", TRACED "directional_light { direction: (2, -3, 0), irradiance: 3 }\n",
      TRACED "directional_light { direction: (2, -3, 0), irradiance: 3, angle: 0.2deg }\n",
-     FILM CAMERA FLOOR BALL, 64, 0.01},
+     FILM BESIDE FLOOR BALL, 256, 0.01},
 };
 
 typedef struct Loaded {

@@ -34,7 +34,7 @@ typedef struct Path {
     // How the present ray's direction was chosen, for the weight of light that it hits.
     float pdf;              // by solid angle
     bool certain;           // by the camera or a delta lobe: no light sampling competes
-    bool mirrored;          // scattered by a smooth lobe once, and then by delta lobes alone
+    bool smooth_first;      // a smooth lobe is what the camera sees
     bool photons_find;      // what traced lights emit along it is found by photons (photons.h)
     LightReceiver receiver; // where it was chosen
     MediumStack media;      // the transparent bodies that the present ray is in
@@ -285,12 +285,10 @@ static void leave_to_photons(Path *path, const Surface *surface, const WorldMate
 {
     const bool delta = lobes & material->lobes & LOBE_DELTA;
     if (path->depth == 1) {
-        path->mirrored = !delta;
-        path->photons_find = false;
-        return;
+        path->smooth_first = !delta;
     }
-    path->mirrored = path->mirrored && delta;
-    path->photons_find = path->mirrored && caster_is_bounded(path->world, surface->shape);
+    path->photons_find = path->depth > 1 && path->smooth_first && delta &&
+                         caster_is_bounded(path->world, surface->shape);
 }
 
 // Chooses the next ray; false where the path ends.
@@ -363,6 +361,15 @@ static bool pass_on(Path *path, const WorldMaterial *material, const Surface *su
     return !rgb_is_black(path->throughput);
 }
 
+// Whether directions are chosen by the guide. Where there are photons, what is seen by way of a
+// smooth lobe first is left to them.
+static bool is_guided(const Path *path, const WorldMaterial *material)
+{
+    const World *world = path->world;
+    return world->guide && guide_serves(material->lobes) &&
+           (!world->photon_lights || (path->depth > 0 && !path->smooth_first));
+}
+
 static void trace(Path *path, Ray ray, AovSample *aov)
 {
     const World *world = path->world;
@@ -415,9 +422,8 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         SurfaceNumbers n;
         sampler_eight(path->sampler, first, n.all);
         const LightReceiver receiver = surface_receiver(&point, material->lobes);
-        const GuideCell *cell = world->guide && guide_serves(material->lobes)
-                                    ? guide_find(world->guide, surface.p)
-                                    : NULL;
+        const GuideCell *cell =
+            is_guided(path, material) ? guide_find(world->guide, surface.p) : NULL;
         if (material->lobes & LOBE_SMOOTH) {
             add_direct(path, &point, material, &receiver, cell, &n, first);
         }
@@ -440,7 +446,7 @@ static Rgb find(const World *world, const Ray *ray, Sampler *sampler, AovSample 
     path.depth = 0;
     path.squeeze = 1;
     path.certain = true;
-    path.photons_find = false;
+    path.smooth_first = path.photons_find = false;
     if (world->media) {
         path.media = world->camera_media;
     }
