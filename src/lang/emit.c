@@ -538,14 +538,16 @@ static void run_for(Eval *ev, Env *env, AstId id)
         return;
     }
     const uint64_t begun = ev->steps;
-    bool tried = false;
+    uint32_t look = 2; // the first iterations gave what they all need its value
     while (loop.next < loop.sequence.count && run_iteration(ev, &loop, loop.next)) {
-        ++loop.next;
-        // The first iterations gave what they all need its value.
+        if (++loop.next != look) {
+            continue;
+        }
+        look *= 2;
         const double steps = (double)(ev->steps - begun) / loop.next;
         const double left = (double)(loop.sequence.count - loop.next) * steps;
-        if (!tried && loop.next >= 2 && left > (double)aside_least(ev) && aside_units(ev)) {
-            tried = true;
+        if (left > (double)aside_least(ev) && aside_units(ev)) {
+            look = 0; // once
             run_beside(ev, &loop, steps);
         }
     }
