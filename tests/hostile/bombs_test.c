@@ -2,7 +2,7 @@
 // instances, pictures and meshes that declare enormous sizes. Each ends within a second of the
 // processor (the last line has the longest) and MOST_MIB of memory, in the diagnostic that is
 // named.
-//     bombs_test PROGRAM FOLDER        FOLDER: where the scenes are written
+//     bombs_test PROGRAM FOLDER [N]    FOLDER: where the scenes are written; N: each Nth only
 #include "program.h"
 
 #include <stdio.h>
@@ -249,28 +249,11 @@ static const File files[] = {
 
 // --- Running them --------------------------------------------------------------------------------
 
-typedef struct Worst {
-    double seconds;
-    long kib;
-    const char *slowest, *largest;
-} Worst;
-
-static void write_file(const char *folder, const char *name, const char *bytes, size_t size)
-{
-    char path[4096];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *out = fopen(path, "wb");
-    if (!out || fwrite(bytes, 1, size, out) != size || fclose(out) != 0) {
-        perror(path);
-        exit(2);
-    }
-}
-
 static bool check(const char *program, const char *folder, const char *name, const char *text,
                   const char *says, Worst *worst)
 {
     const char *command[] = {"scene.scn", "-o", "out.exr", "-q", "--size", "16x16", NULL};
-    write_file(folder, "scene.scn", text, strlen(text));
+    program_write(folder, "scene.scn", text, strlen(text));
     ProgramRun run;
     program_run(program, command, folder, (unsigned)(60 * slower), &run);
     bool good = (run.status == 1 || (run.status == 0 && !says[0])) && strstr(run.errors, says) &&
@@ -280,14 +263,7 @@ static bool check(const char *program, const char *folder, const char *name, con
         printf("%s: status %d, %.2f s of the processor, %ld MiB, wanted `%s`\n%.600s\n", name,
                run.status, run.cpu_seconds, run.peak_kib >> 10, says, run.errors);
     }
-    if (run.cpu_seconds > worst->seconds) {
-        worst->seconds = run.cpu_seconds;
-        worst->slowest = name;
-    }
-    if (run.peak_kib > worst->kib) {
-        worst->kib = run.peak_kib;
-        worst->largest = name;
-    }
+    worst_take(worst, &run, name);
     return good;
 }
 
@@ -298,12 +274,21 @@ int main(int argc, char **argv)
         return 2;
     }
     Worst worst = {0};
+    unsigned number = 0;
     int count = 0, failed = 0;
-    for (size_t i = 0; i < sizeof bombs / sizeof bombs[0]; ++i, ++count) {
+    for (size_t i = 0; i < sizeof bombs / sizeof bombs[0]; ++i) {
+        if (!program_takes(argc, argv, number++)) {
+            continue;
+        }
+        ++count;
         failed += !check(argv[1], argv[2], bombs[i].name, bombs[i].text, bombs[i].says, &worst);
     }
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i, ++count) {
-        write_file(argv[2], files[i].name, files[i].bytes, files[i].size);
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i) {
+        if (!program_takes(argc, argv, number++)) {
+            continue;
+        }
+        ++count;
+        program_write(argv[2], files[i].name, files[i].bytes, files[i].size);
         const char *code = strncmp(files[i].text, "mesh", 4) == 0 ? "[E085" : "[E09";
         failed += !check(argv[1], argv[2], files[i].name, files[i].text, code, &worst);
     }

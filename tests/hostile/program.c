@@ -88,3 +88,38 @@ void program_run(const char *program, const char *const *arguments, const char *
                        1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
     out->peak_kib = usage.ru_maxrss;
 }
+
+void program_write(const char *folder, const char *name, const char *bytes, size_t size)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *out = fopen(path, "wb");
+    if (!out || fwrite(bytes, 1, size, out) != size || fclose(out) != 0) {
+        perror(path);
+        exit(2);
+    }
+}
+
+uint32_t program_random(uint64_t *state)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)(*state >> 33);
+}
+
+void worst_take(Worst *worst, const ProgramRun *run, const char *name)
+{
+    if (run->cpu_seconds > worst->seconds) {
+        worst->seconds = run->cpu_seconds;
+        snprintf(worst->slowest, sizeof worst->slowest, "%s", name);
+    }
+    if (run->peak_kib > worst->kib) {
+        worst->kib = run->peak_kib;
+        snprintf(worst->largest, sizeof worst->largest, "%s", name);
+    }
+}
+
+bool program_takes(int argc, char **argv, unsigned number)
+{
+    unsigned long every = argc > 3 ? strtoul(argv[3], NULL, 10) : 1;
+    return every < 2 || number % every == 0;
+}

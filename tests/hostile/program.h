@@ -21,6 +21,23 @@ typedef struct ProgramRun {
 void program_run(const char *program, const char *const *arguments, const char *folder,
                  unsigned seconds, ProgramRun *out);
 
+// Writes a file of so many bytes; ends the test where that fails.
+void program_write(const char *folder, const char *name, const char *bytes, size_t size);
+
+// A number of 31 bits that seems random, always the same from the same state.
+uint32_t program_random(uint64_t *state);
+
+// What cost most of all runs.
+typedef struct Worst {
+    double seconds;
+    long kib;
+    char slowest[100], largest[100];
+} Worst;
+void worst_take(Worst *worst, const ProgramRun *run, const char *name);
+
+// Of many cases only each `every`th is run: the test's third argument, 1 where there is none.
+bool program_takes(int argc, char **argv, unsigned number);
+
 // Under sanitizers everything takes longer, and memory says nothing.
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
 static const double slower = 20;

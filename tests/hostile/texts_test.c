@@ -165,12 +165,6 @@ static size_t make(const Text *text, char *out)
     return length + end;
 }
 
-static uint32_t next(uint64_t *random)
-{
-    *random = *random * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)(*random >> 33);
-}
-
 // Bytes, printable characters, brackets, words.
 static size_t make_random(int kind, char *out)
 {
@@ -182,7 +176,7 @@ static size_t make_random(int kind, char *out)
     uint64_t random = 1;
     size_t length = 0;
     while (length + 16 < SIZE) {
-        uint32_t r = next(&random);
+        uint32_t r = program_random(&random);
         if (kind == 3) {
             length +=
                 (size_t)sprintf(out + length, "%s", words[r % (sizeof words / sizeof words[0])]);
@@ -196,12 +190,6 @@ static size_t make_random(int kind, char *out)
 }
 
 // --- Running them --------------------------------------------------------------------------------
-
-typedef struct Worst {
-    double seconds;
-    long kib;
-    char slowest[100], largest[100];
-} Worst;
 
 static bool check(const char *program, const char *folder, const char *name, Worst *worst)
 {
@@ -223,27 +211,11 @@ static bool check(const char *program, const char *folder, const char *name, Wor
                    run.cpu_seconds, run.peak_kib, run.status < 0 ? "" : run.errors);
         }
         good = good && fine;
-        if (run.cpu_seconds > worst->seconds) {
-            worst->seconds = run.cpu_seconds;
-            snprintf(worst->slowest, sizeof worst->slowest, "%s of %s", commands[i][0], name);
-        }
-        if (run.peak_kib > worst->kib) {
-            worst->kib = run.peak_kib;
-            snprintf(worst->largest, sizeof worst->largest, "%s of %s", commands[i][0], name);
-        }
+        char what[100];
+        snprintf(what, sizeof what, "%s of %s", commands[i][0], name);
+        worst_take(worst, &run, what);
     }
     return good;
-}
-
-static void write_text(const char *folder, const char *bytes, size_t size)
-{
-    char path[4096];
-    snprintf(path, sizeof path, "%s/text.scn", folder);
-    FILE *out = fopen(path, "wb");
-    if (!out || fwrite(bytes, 1, size, out) != size || fclose(out) != 0) {
-        perror(path);
-        exit(2);
-    }
 }
 
 int main(int argc, char **argv)
@@ -254,15 +226,24 @@ int main(int argc, char **argv)
         return 2;
     }
     Worst worst = {0};
+    unsigned number = 0;
     int count = 0, failed = 0;
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i, ++count) {
-        write_text(argv[2], bytes, make(&texts[i], bytes));
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
+        if (!program_takes(argc, argv, number++)) {
+            continue;
+        }
+        ++count;
+        program_write(argv[2], "text.scn", bytes, make(&texts[i], bytes));
         failed += !check(argv[1], argv[2], texts[i].name, &worst);
     }
-    for (int kind = 0; kind < 4; ++kind, ++count) {
+    for (int kind = 0; kind < 4; ++kind) {
+        if (!program_takes(argc, argv, number++)) {
+            continue;
+        }
+        ++count;
         static const char *const names[] = {"random_bytes", "random_characters", "random_brackets",
                                             "random_words"};
-        write_text(argv[2], bytes, make_random(kind, bytes));
+        program_write(argv[2], "text.scn", bytes, make_random(kind, bytes));
         failed += !check(argv[1], argv[2], names[kind], &worst);
     }
     free(bytes);

@@ -1,7 +1,7 @@
 // Values where they don't belong: each built-in function with values of every type, each operator
 // and statement with every pair, each field of each kind with every one. What is wrong is told of;
 // nothing crashes, hangs, or is taken for a picture.
-//     values_test PROGRAM FOLDER
+//     values_test PROGRAM FOLDER [N]    N: each Nth scene only
 #include "program.h"
 
 #include "render/render.h"
@@ -117,7 +117,11 @@ enum { SINGLES = sizeof singles / sizeof singles[0] };
 static const char *program, *folder;
 static FILE *scene;
 static int scenes, statements, failed;
-static double slowest;
+static Worst worst;
+// Which scenes are run.
+static int given_count;
+static char **given;
+static unsigned number;
 
 static void begin_scene(void)
 {
@@ -155,14 +159,13 @@ static void end_scene(const char *what)
         printf("%s: status %d\n%.500s\n", what, run.status, run.errors);
         ++failed;
     }
-    slowest = run.cpu_seconds > slowest ? run.cpu_seconds : slowest;
+    worst_take(&worst, &run, what);
     ++scenes;
 }
 
-static uint32_t next(uint64_t *random)
+static bool is_taken(void)
 {
-    *random = *random * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)(*random >> 33);
+    return program_takes(given_count, given, number++);
 }
 
 static void try_function(const char *name)
@@ -179,11 +182,12 @@ static void try_function(const char *name)
         }
     }
     for (int i = 0; i < MORE; ++i) {
-        const char *a = values[next(&random) % VALUES], *b = values[next(&random) % VALUES];
+        const char *a = values[program_random(&random) % VALUES],
+                   *b = values[program_random(&random) % VALUES];
         state("let _m%d = %s(%s, %s, %s)", i, name, a, i % 2 ? b : a,
-              values[next(&random) % VALUES]);
+              values[program_random(&random) % VALUES]);
         state("let _n%d = %s(%s, %s, %s, %s)", i, name, a, b, i % 2 ? b : a,
-              values[next(&random) % VALUES]);
+              values[program_random(&random) % VALUES]);
     }
     end_scene(name);
 }
@@ -191,7 +195,7 @@ static void try_function(const char *name)
 // Names that are declared twice are errors that hide others: `_v` becomes one of its own.
 static void state_anew(const char *format, const char *a, const char *b)
 {
-    static unsigned number;
+    static unsigned times;
     char text[1024], left[200], right[200];
     snprintf(left, sizeof left, "(%s)", a); // `fn` and others reach as far as they can
     snprintf(right, sizeof right, "(%s)", b);
@@ -201,11 +205,11 @@ static void state_anew(const char *format, const char *a, const char *b)
 #pragma GCC diagnostic pop
     char *name = strstr(text, "_v");
     char *param = strstr(text, "param p:");
-    ++number;
+    ++times;
     if (name) {
-        state("%.*s_v%u%s", (int)(name - text), text, number, name + 2);
+        state("%.*s_v%u%s", (int)(name - text), text, times, name + 2);
     } else if (param == text) {
-        state("param p%u:%s", number, text + strlen("param p:"));
+        state("param p%u:%s", times, text + strlen("param p:"));
     } else {
         state("%s", text);
     }
@@ -214,6 +218,9 @@ static void state_anew(const char *format, const char *a, const char *b)
 static void try_statements(void)
 {
     for (int p = 0; p < PAIRS; ++p) {
+        if (!is_taken()) {
+            continue;
+        }
         begin_scene();
         for (int i = 0; i < VALUES; ++i) {
             for (int k = 0; k < VALUES; ++k) {
@@ -223,6 +230,9 @@ static void try_statements(void)
         end_scene(pairs[p]);
     }
     for (int s = 0; s < SINGLES; ++s) {
+        if (!is_taken()) {
+            continue;
+        }
         begin_scene();
         for (int i = 0; i < VALUES; ++i) {
             state_anew(singles[s], values[i], "");
@@ -251,16 +261,22 @@ int main(int argc, char **argv)
     }
     program = argv[1];
     folder = argv[2];
+    given_count = argc;
+    given = argv;
     for (int i = 0; i < FUNCTIONS; ++i) {
-        try_function(functions[i]);
+        if (is_taken()) {
+            try_function(functions[i]);
+        }
     }
     try_statements();
     const Schema *schema = render_schema();
     for (uint32_t i = 0; i < schema->type_count; ++i) {
-        try_kind(schema->types[i]);
+        if (is_taken()) {
+            try_kind(schema->types[i]);
+        }
     }
     printf("%d statements in %d scenes, %d scenes ended badly; the slowest took %.2f s of the "
            "processor\n",
-           statements, scenes, failed, slowest);
+           statements, scenes, failed, worst.seconds);
     return failed ? 1 : 0;
 }

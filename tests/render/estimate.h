@@ -199,24 +199,10 @@ static inline void check_equal(CheckTable *table, const char *name, Running a, R
                       .wanted = wanted});
 }
 
-// A number without noise, to a relative tolerance.
-static inline void check_exact(CheckTable *table, const char *name, double expected, double found,
-                               double tolerance)
-{
-    check_add(table, name,
-              (Check){.expected = expected, .mean = found, .error = tolerance * fabs(expected)});
-}
-
 // One line of the table. False where the check failed, or couldn't have found what it should.
-static inline bool check_line(const Check *c, int family, FILE *out)
+static inline bool check_line(const Check *c, int family)
 {
-    fprintf(out, "%-44s %13.9g %13.9g ", c->name, c->expected, c->mean);
-    if (c->freedom == 0) {
-        const bool wrong = !(fabs(c->mean - c->expected) <= c->error);
-        fprintf(out, "%10s %7s %10.5f%% %6.2f%s\n", "exact", "", 100 * c->error / fabs(c->expected),
-                c->seconds, wrong ? "  WRONG" : "");
-        return !wrong;
-    }
+    printf("%-44s %13.9g %13.9g ", c->name, c->expected, c->mean);
     // Results are sums of floats: a millionth is never significant.
     const double error = fmax(c->error, 1e-7 * fabs(c->expected));
     const double z = (c->mean - c->expected) / error;
@@ -224,47 +210,28 @@ static inline bool check_line(const Check *c, int family, FILE *out)
     const double wanted = full_run() ? fmin(c->wanted, c->wanted_fully) : c->wanted;
     const bool wrong = !(fabs(z) <= student_quantile(sidak(ALPHA, family), c->freedom));
     const bool weak = !(found <= wanted);
-    fprintf(out, "%10.2g %7.2f %10.4f%% %6.2f%s%s\n", c->error, z, 100 * found, c->seconds,
-            wrong ? "  WRONG" : "", weak ? "  TOO WEAK" : "");
+    printf("%10.2g %7.2f %10.4f%% %6.2f%s%s\n", c->error, z, 100 * found, c->seconds,
+           wrong ? "  WRONG" : "", weak ? "  TOO WEAK" : "");
     return !wrong && !weak;
 }
 
 static inline void check_trust(const Check *c)
 {
-    if (c->freedom == 0) {
-        trust_near(c->name, c->expected, c->mean, c->error);
-    } else {
-        trust_mean(c->name, c->expected, c->mean, fmax(c->error, 1e-7 * fabs(c->expected)),
-                   c->freedom, c->wanted_fully);
-    }
+    trust_mean(c->name, c->expected, c->mean, fmax(c->error, 1e-7 * fabs(c->expected)), c->freedom,
+               c->wanted_fully);
 }
 
-// Prints the table, and puts it into the build folder as trust/NAME.txt; the number of checks that
-// failed, or that couldn't have found what they should.
+// Prints the table; the number of checks that failed, or that couldn't have found what they should.
 static inline int check_judge(const CheckTable *table, const char *name)
 {
-    char path[512];
-    snprintf(path, sizeof path, "%s/trust/%s.txt", SCN_BINARY_DIR, name);
-    FILE *files[2] = {stdout, fopen(path, "w")};
-    int statistical = 0, failures = 0;
+    int failures = 0;
+    const int family = table->family > table->count ? table->family : table->count;
+    printf("%s: %d checks; family-wise alpha %g of %d%s\n", name, table->count, ALPHA, family,
+           full_run() ? "; full run" : "");
+    printf("%-44s %13s %13s %10s %7s %11s %6s\n", "check", "expected", "measured", "std.error", "z",
+           "bias found", "cpu s");
     for (int i = 0; i < table->count; ++i) {
-        statistical += table->checks[i].freedom > 0;
-    }
-    const int family = table->family > statistical ? table->family : statistical;
-    for (int f = 0; f < 2 && files[f]; ++f) {
-        fprintf(files[f], "%s: %d checks, of which %d statistical; family-wise alpha %g of %d%s\n",
-                name, table->count, statistical, ALPHA, family, full_run() ? "; full run" : "");
-        fprintf(files[f], "%-44s %13s %13s %10s %7s %11s %6s\n", "check", "expected", "measured",
-                "std.error", "z", "bias found", "cpu s");
-        failures = 0;
-        for (int i = 0; i < table->count; ++i) {
-            failures += !check_line(&table->checks[i], family, files[f]);
-        }
-    }
-    if (files[1]) {
-        fclose(files[1]);
-    }
-    for (int i = 0; i < table->count; ++i) {
+        failures += !check_line(&table->checks[i], family);
         check_trust(&table->checks[i]);
     }
     return failures;
