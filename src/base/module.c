@@ -13,7 +13,8 @@ typedef struct Search {
     void *module;
     char *message;
     size_t message_size, length;
-    bool found; // a file was there, but the loader refused it
+    bool found;     // a file is there, even if the loader refuses it
+    bool only_look; // don't load it
 } Search;
 
 static void say(Search *search, const char *text)
@@ -40,6 +41,10 @@ static bool try_folder(Search *search, const char *folder, size_t length, const 
         say(search, path);
         return false;
     }
+    search->found = true;
+    if (search->only_look) {
+        return true;
+    }
     // Its own symbols first: a library must not be bound to a function of ours by its name.
     search->module = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     if (!search->module) {
@@ -47,7 +52,6 @@ static bool try_folder(Search *search, const char *folder, size_t length, const 
         search->length = 0;
         say(search, error ? error : "the loader refused it");
     }
-    search->found = true;
     return true;
 }
 
@@ -77,34 +81,46 @@ static size_t program_folder(char *out, size_t size)
     return (size_t)length - 1;
 }
 
-void *module_open(const char *name, char *message, size_t message_size)
+static void look_everywhere(Search *search)
 {
-    Search search = {.name = name, .message = message, .message_size = message_size};
-    if (message_size) {
-        message[0] = '\0';
+    if (search->message_size) {
+        search->message[0] = '\0';
     }
-    if (!*name || strchr(name, '/')) {
-        say(&search, "not the name of a module");
-        return NULL;
+    if (!*search->name || strchr(search->name, '/')) {
+        say(search, "not the name of a module");
+        return;
     }
-    if (try_list(&search, secure_getenv("SCNRENDER_MODULES"))) {
-        return search.module;
+    if (try_list(search, secure_getenv("SCNRENDER_MODULES"))) {
+        return;
     }
     char program[PATH_MAX];
     const size_t length = program_folder(program, sizeof program);
     if (length == 0) {
-        say(&search, search.length ? "" : "the program's own folder is unknown");
-        return NULL;
+        say(search, search->length ? "" : "the program's own folder is unknown");
+        return;
     }
     static const char *const below[] = {"/../lib/scnrender", "/../lib64/scnrender",
                                         "/../lib/x86_64-linux-gnu/scnrender",
                                         "/../lib/aarch64-linux-gnu/scnrender"};
     for (size_t i = 0; i < sizeof below / sizeof below[0]; ++i) {
-        if (try_folder(&search, program, length, below[i])) {
+        if (try_folder(search, program, length, below[i])) {
             break;
         }
     }
+}
+
+void *module_open(const char *name, char *message, size_t message_size)
+{
+    Search search = {.name = name, .message = message, .message_size = message_size};
+    look_everywhere(&search);
     return search.module;
+}
+
+bool module_exists(const char *name)
+{
+    Search search = {.name = name, .only_look = true};
+    look_everywhere(&search);
+    return search.found;
 }
 
 void *module_symbol(void *module, const char *symbol)

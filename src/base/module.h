@@ -1,5 +1,5 @@
 // Shared libraries that are loaded on first use, because loading them costs more than most runs
-// need: `scn_oiio` (images) and `scn_assimp` (meshes).
+// need: `scn_oiio` (images), `scn_assimp` (meshes) and others.
 #ifndef BASE_MODULE_H
 #define BASE_MODULE_H
 
@@ -13,6 +13,9 @@
 // program ends, so there is nothing to give back. May be called from any thread. NULL, with a
 // message that names the places tried or the loader's complaint.
 void *module_open(const char *name, char *message, size_t message_size);
+
+// True when one of these folders has it, whether or not it can be loaded.
+bool module_exists(const char *name);
 
 // The address of a symbol of a loaded module; NULL where there is none.
 void *module_symbol(void *module, const char *symbol);

@@ -3,6 +3,7 @@
 #include "base/mem.h"
 #include "base/module.h"
 #include "base/thread.h"
+#include "image/exr_module.h"
 #include "image/oiio_module.h"
 #include "image/peek.h"
 #include "image/png_module.h"
@@ -47,6 +48,16 @@ static const WriteType *write_type(const char *name)
     return NULL;
 }
 
+static bool is_png(const char *format)
+{
+    return strcmp(format, "png") == 0;
+}
+
+static bool is_exr(const char *format)
+{
+    return strcmp(format, "openexr") == 0;
+}
+
 bool image_can_write(const char *name)
 {
     return write_type(name) != NULL;
@@ -65,7 +76,7 @@ bool image_has_bits(const char *name, int bits)
 bool image_is_linear(const char *name, int bits)
 {
     const WriteType *type = write_type(name);
-    return type && (strcmp(type->format, "openexr") == 0 || (bits ? bits : type->bits) == 32);
+    return type && (is_exr(type->format) || (bits ? bits : type->bits) == 32);
 }
 
 bool image_has_layers(const char *name)
@@ -158,16 +169,37 @@ static const PngFunctions *png_functions(char *message, size_t message_size)
                             message_size);
 }
 
-static bool is_png(const char *format)
+static const ExrFunctions *exr_functions(char *message, size_t message_size)
 {
-    return strcmp(format, "png") == 0;
+    return module_functions("scn_exr", "OpenEXR", "scn_exr_functions", EXR_MODULE_VERSION, message,
+                            message_size);
+}
+
+// What writes a type of pictures.
+typedef enum Writer { WRITER_PNG, WRITER_EXR, WRITER_OIIO } Writer;
+
+// A module that is there, but can't be loaded, is an error: a system that has no memory or
+// descriptors for it has none for OpenImageIO.
+static Writer writer_of(const WriteType *type)
+{
+    if (is_png(type->format)) {
+        return WRITER_PNG;
+    }
+    return is_exr(type->format) && module_exists("scn_exr") ? WRITER_EXR : WRITER_OIIO;
 }
 
 bool image_available(const char *name, char *message, size_t message_size)
 {
     const WriteType *type = write_type(name);
-    return type && is_png(type->format) ? png_functions(message, message_size) != NULL
-                                        : oiio_functions(message, message_size) != NULL;
+    switch (type ? writer_of(type) : WRITER_OIIO) {
+    case WRITER_PNG:
+        return png_functions(message, message_size) != NULL;
+    case WRITER_EXR:
+        return exr_functions(message, message_size) != NULL;
+    case WRITER_OIIO:
+        break;
+    }
+    return oiio_functions(message, message_size) != NULL;
 }
 
 static void *preload_main(void *nothing)
@@ -181,7 +213,7 @@ void image_preload(const char *name)
 {
     const WriteType *type = write_type(name);
     pthread_t thread;
-    if (type && is_png(type->format)) {
+    if (type && writer_of(type) != WRITER_OIIO) {
         return; // there is nothing to wait for
     }
     if (thread_start(&thread, NULL, preload_main, NULL)) {
@@ -313,6 +345,17 @@ static bool write_png(const char *path, const WriteType *type, const ImageFile *
     return written;
 }
 
+static bool write_exr(const char *path, const WriteType *type, const ImageFile *file, char *message,
+                      size_t message_size)
+{
+    const ExrFunctions *exr = exr_functions(message, message_size);
+    const ExrWrite write = {.path = path,
+                            .file = file,
+                            .bits = file->bits ? file->bits : type->bits,
+                            .memory = {mem_alloc_zeroed, mem_free}};
+    return exr && exr->write(&write, message, message_size);
+}
+
 static bool write_layers(const OiioFunctions *oiio, const char *path, const char *format_of,
                          const WriteType *type, const ImageFile *file, OiioLayer *layers,
                          OiioText *texts, char *message, size_t message_size)
@@ -369,6 +412,13 @@ bool image_write(const char *path, const char *format_of, const ImageFile *file,
         snprintf(message, message_size, "images can be written as %s", image_extensions());
         return false;
     }
-    return is_png(type->format) ? write_png(path, type, file, message, message_size)
-                                : write_any(path, format_of, type, file, message, message_size);
+    switch (writer_of(type)) {
+    case WRITER_PNG:
+        return write_png(path, type, file, message, message_size);
+    case WRITER_EXR:
+        return write_exr(path, type, file, message, message_size);
+    case WRITER_OIIO:
+        break;
+    }
+    return write_any(path, format_of, type, file, message, message_size);
 }

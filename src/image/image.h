@@ -1,6 +1,7 @@
-// Images: PNG is read and written through libpng, all else through OpenImageIO. Both are loaded as
-// modules on first use, libpng in a millisecond, OpenImageIO in a third of a second (and 130 MB);
-// oiio.cpp is the project's only C++ file, and no exception leaves it.
+// Images: PNG is read and written through libpng, EXR written through OpenEXR's C part, all else
+// through OpenImageIO (and EXR where OpenEXR's module isn't there). They are loaded as modules on
+// first use, libpng and OpenEXR in a millisecond or two, OpenImageIO in a third of a second (and
+// 130 MB); oiio.cpp is the project's only C++ file, and no exception leaves it.
 #ifndef IMAGE_IMAGE_H
 #define IMAGE_IMAGE_H
 

@@ -81,7 +81,7 @@ expect_code 3
 expect_text err "File too large"
 cmp -s kept.png before.png || fail "the old picture was spoilt"
 expect_no_leftovers
-# What writes the picture is missing. PNG doesn't need OpenImageIO.
+# What writes the picture is missing. PNG and EXR don't need OpenImageIO; it writes EXR, too.
 SCNRENDER_MODULES=/nonexistent
 export SCNRENDER_MODULES
 cp "$SCNRENDER" ./alone
@@ -94,13 +94,17 @@ for missing in "exr:OpenImageIO" "png:libpng"; do
     [ ! -e "alone.${missing%:*}" ] || fail "a picture without ${missing#*:}"
     expect_no_leftovers
 done
-mkdir png_alone
 modules=$(dirname "$SCNRENDER")/../lib/scnrender
-[ -e "$modules/scn_png.so" ] && cp "$modules/scn_png.so" png_alone
-SCNRENDER_MODULES=$work/png_alone
-./alone ball.scn -o alone.png >out 2>err
-code=$?
-last="with libpng alone"
-expect_code 0
-[ "$(png_size alone.png)" = 32x20 ] || fail "alone.png is $(png_size alone.png)"
+for only in png.png exr.exr oiio.exr; do
+    mkdir "$only"
+    [ -e "$modules/scn_${only%.*}.so" ] && cp "$modules/scn_${only%.*}.so" "$only"
+    SCNRENDER_MODULES="$work/$only"
+    ./alone ball.scn -o "$only/alone.${only#*.}" >out 2>err
+    code=$?
+    last="with ${only%.*} alone"
+    expect_code 0
+    [ -s "$only/alone.${only#*.}" ] || fail "$last: no picture"
+done
+[ "$(png_size png.png/alone.png)" = 32x20 ] || fail "alone.png is $(png_size png.png/alone.png)"
+cmp -s exr.exr/alone.exr oiio.exr/alone.exr && fail "OpenEXR's module isn't used"
 finish

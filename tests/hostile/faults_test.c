@@ -25,24 +25,21 @@ typedef struct Command {
     const char *name;
     const char *words[MOST_WORDS];
     const char *output; // NULL: none
-    bool is_long;       // starts OpenImageIO
 } Command;
 
 static const Command commands[] = {
     {"render",
      {"scene.scn", "-q", "-o", "out.png", "--threads", "2", "--checkpoint", "part"},
-     "out.png",
-     false},
-    {"render an EXR", {"scene.scn", "-q", "-o", "out.exr", "--threads", "2"}, "out.exr", true},
-    {"check", {"check", "scene.scn"}, NULL, false},
-    {"dump", {"--dump", "scene", "scene.scn"}, NULL, false},
-    {"test", {"test", "scene.scn", "--samples", "8192"}, NULL, false},
-    {"fmt", {"fmt", "scene.scn"}, "scene.scn", false},
-    {"export", {"export", "scene.scn", "-q", "--to", "povray", "-o", "out.pov"}, "out.pov", false},
+     "out.png"},
+    {"render an EXR", {"scene.scn", "-q", "-o", "out.exr", "--threads", "2"}, "out.exr"},
+    {"check", {"check", "scene.scn"}, NULL},
+    {"dump", {"--dump", "scene", "scene.scn"}, NULL},
+    {"test", {"test", "scene.scn", "--samples", "8192"}, NULL},
+    {"fmt", {"fmt", "scene.scn"}, "scene.scn"},
+    {"export", {"export", "scene.scn", "-q", "--to", "povray", "-o", "out.pov"}, "out.pov"},
     {"export for Blender",
      {"export", "scene.scn", "-q", "--to", "blender", "-o", "out.py"},
-     "out.py",
-     false},
+     "out.py"},
 };
 
 static const struct {
@@ -263,9 +260,7 @@ int main(int argc, char **argv)
         for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; ++k) {
             FaultRun run;
             Tally tally = {0};
-            // What OpenImageIO and the libraries behind it do without memory isn't ours.
-            bool foreign = command->is_long && kinds[k].kind == FAULT_PAGES;
-            if (foreign || (kinds[k].kind == FAULT_ALLOCATION && !fault_preload[0])) {
+            if (kinds[k].kind == FAULT_ALLOCATION && !fault_preload[0]) {
                 continue;
             }
             set_up(command);
@@ -273,16 +268,9 @@ int main(int argc, char **argv)
                 puts("this system can't answer system calls for a program: nothing is tested");
                 return 77;
             }
-            uint64_t runs = command->is_long && most > 8 ? 8 : most;
-            uint64_t step = runs && run.count > runs ? (run.count + runs - 1) / runs : 1;
-            // Threads that OpenImageIO's libraries start as they are loaded are theirs: that the
-            // system has enough of them was found out just before.
-            bool once = !(command->is_long && kinds[k].kind == FAULT_THREAD);
-            run.count = once || run.count < 2 ? run.count : 2;
+            uint64_t step = most && run.count > most ? (run.count + most - 1) / most : 1;
             for (uint64_t at = 1; at <= run.count; at += step) {
-                if (once) {
-                    one(command, k, at, false, &tally);
-                }
+                one(command, k, at, false, &tally);
                 if (at == 1 || step == 1) {
                     one(command, k, at, true, &tally);
                 }

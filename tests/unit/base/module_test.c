@@ -16,6 +16,7 @@ static void real_modules_are_loaded(void **state)
     assert_non_null(module_symbol(module, "scn_mesh_import"));
     assert_null(module_symbol(module, "scn_no_such_symbol"));
     assert_ptr_equal(module_open("scn_assimp", message, sizeof message), module);
+    assert_true(module_exists("scn_assimp"));
 }
 
 static void what_is_missing_is_said(void **state)
@@ -29,6 +30,7 @@ static void what_is_missing_is_said(void **state)
     assert_null(module_open("scn_none", little, sizeof little));
     assert_string_equal(little, "no such");
     assert_null(module_open("scn_none", little, 0));
+    assert_false(module_exists("scn_none"));
 }
 
 // A name is a name, not a path.
@@ -40,6 +42,7 @@ static void paths_are_refused(void **state)
         char message[64];
         assert_null(module_open(names[i], message, sizeof message));
         assert_string_equal(message, "not the name of a module");
+        assert_false(module_exists(names[i]));
     }
 }
 
@@ -58,6 +61,7 @@ static void the_variable_comes_first(void **state)
     setenv("SCNRENDER_MODULES", folders, 1);
     assert_null(module_open("scn_broken", message, sizeof message));
     assert_non_null(strstr(message, path)); // the loader's own words name the file
+    assert_true(module_exists("scn_broken"));
     assert_non_null(module_open("scn_assimp", message, sizeof message));
     assert_null(module_open("scn_none", message, sizeof message));
     assert_non_null(strstr(message, "/nowhere, "));

@@ -713,7 +713,7 @@ static void check_missing_module(const char *name, const char *module, const cha
 static void test_missing_module(void **state)
 {
     (void)state;
-    check_missing_module("m.exr", "scn_oiio", "OpenImageIO can't be loaded");
+    check_missing_module("m.tif", "scn_oiio", "OpenImageIO can't be loaded");
     check_missing_module("m.png", "scn_png", "libpng can't be loaded");
 }
 
