@@ -321,7 +321,7 @@ static void sampling_strategies(void)
                       .ray = single_ray,
                       .context = &ray,
                       .first = MIS,
-                      .samples = 1 << 14,
+                      .samples = 1 << 15,
                       .seconds = 200};
     rivals_compare(&table, &rivals, "7 light sampling = mis", &LIGHT, 1.2e-2);
     rivals_compare(&table, &rivals, "7 BSDF sampling = mis", &BSDF, 8e-3);
@@ -562,7 +562,7 @@ static void textured_lights(void)
         double mean = even ? (3 * 3 + 2 * 0.25) / 5 : (3 * 0.25 + 2 * 3) / 5;
         sky += mean * cos(theta) * sin(theta) * 2 * PI * (PI / 2 / STEPS);
     }
-    irradiance_checks(&lab, "textured sky", (Meter){.albedo = 0.5}, sky, 1 << 16, 1 << 14);
+    irradiance_checks(&lab, "textured sky", (Meter){.albedo = 0.5}, sky, 1 << 19, 1 << 14);
     close_lab(&lab);
 
     open_lab(&lab);

@@ -15,16 +15,15 @@ enum { DIMENSIONS_PER_SURFACE = 8 };
 // which roulette would undo.
 enum { ROULETTE_START = 5 };
 
-// Which part of the radiance is to be found.
-typedef enum PathPart {
-    PART_ALL,
-    PART_LAMPS, // what lights emit along the camera's ray
-    PART_REST,  // all but that
-} PathPart;
+// Which lamps the present ray is to find.
+typedef enum LampWays {
+    LAMPS_ALL,
+    LAMPS_WIDE,  // small ones are found otherwise
+    LAMPS_SMALL, // only they
+} LampWays;
 
 typedef struct Path {
     const World *world;
-    PathPart part;
     Sampler *sampler;
     IntegratorStats *stats;
     Rgb throughput; // of the path so far
@@ -36,6 +35,8 @@ typedef struct Path {
     bool certain;           // by the camera or a delta lobe: no light sampling competes
     bool smooth_first;      // a smooth lobe is what the camera sees
     bool photons_find;      // what traced lights emit along it is found by photons (photons.h)
+    bool lamps_apart;       // what lights emit along the camera's ray isn't wanted
+    LampWays lamps;         // see add_mirrored
     LightReceiver receiver; // where it was chosen
     MediumStack media;      // the transparent bodies that the present ray is in
 } Path;
@@ -95,13 +96,13 @@ static float hit_light_pdf(const Path *path, uint32_t index, Vec3 direction, con
 // Whether emission that the present ray meets is another's to find.
 static inline bool found_apart(const Path *path)
 {
-    return path->part == PART_REST && path->depth == 0;
+    return path->depth == 0 && path->lamps_apart;
 }
 
 static void add_escaped(Path *path, Vec3 direction)
 {
     const World *world = path->world;
-    if (found_apart(path)) {
+    if (found_apart(path) || path->lamps == LAMPS_SMALL) {
         return;
     }
     uint32_t count;
@@ -119,6 +120,15 @@ static void add_escaped(Path *path, Vec3 direction)
     }
 }
 
+// Whether a lamp is small and far from where the present ray's direction was chosen.
+static bool is_small(const Path *path, const Light *light)
+{
+    const double most = 0.15; // of the distance: the radius
+    const Vec3 way = sub(box3_center(light->bounds), path->receiver.p);
+    const Vec3 size = sub(light->bounds.max, light->bounds.min);
+    return length_squared(size) / 4 < most * most * length_squared(way);
+}
+
 static void add_emitted(Path *path, const Ray *ray, const Hit *hit, Surface *surface)
 {
     const World *world = path->world;
@@ -127,6 +137,9 @@ static void add_emitted(Path *path, const Ray *ray, const Hit *hit, Surface *sur
         return;
     }
     const Light *light = light_set_get(world->lights, index);
+    if (path->lamps && is_small(path, light) != (path->lamps == LAMPS_SMALL)) {
+        return;
+    }
     if (light->whole && !surface->whole) {
         accel_surface(world->accel, ray, hit, surface);
     }
@@ -291,10 +304,10 @@ static void leave_to_photons(Path *path, const Surface *surface, const WorldMate
                          caster_is_bounded(path->world, surface->shape);
 }
 
-// Chooses the next ray; false where the path ends.
+// Chooses the next ray, and by which lobes; false where the path ends.
 static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *material,
                     const LightReceiver *receiver, const GuideCell *cell, const SurfaceNumbers *n,
-                    Ray *ray)
+                    Ray *ray, uint32_t *lobes)
 {
     const World *world = path->world;
     BsdfSample s;
@@ -302,6 +315,7 @@ static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *
              : !material_choose(point, material, n->lobe, n->u, n->v, &s)) {
         return false;
     }
+    *lobes = s.lobes;
     path->throughput = rgb_mul(path->throughput, s.weight);
     if (rgb_is_black(path->throughput)) {
         return false;
@@ -370,36 +384,111 @@ static bool is_guided(const Path *path, const WorldMaterial *material)
            (!world->photon_lights || (path->depth > 0 && !path->smooth_first));
 }
 
+typedef enum Arrival {
+    ARRIVED_NOWHERE, // the path ends
+    ARRIVED_HIDDEN,  // at a surface that isn't there: *ray is the way on
+    ARRIVED,
+} Arrival;
+
+// The present ray up to the next surface, and what lights emit along it.
+static inline Arrival arrive(Path *path, Ray *ray, Hit *hit, Surface *surface, double *outside,
+                             const WorldMaterial **material)
+{
+    const World *world = path->world;
+    ++path->stats->rays;
+    if (!accel_intersect(world->accel, ray, hit)) {
+        if (world->media) {
+            path->throughput = rgb_mul(
+                path->throughput, medium_transmittance(medium_current(&path->media), INFINITY));
+        }
+        add_escaped(path, ray->direction);
+        return ARRIVED_NOWHERE;
+    }
+    accel_surface_plain(world->accel, ray, hit, surface);
+    if (pass_media(path, surface, hit->t, outside)) {
+        *ray = surface_spawn(surface, ray->direction);
+        return ARRIVED_HIDDEN;
+    }
+    *material = world_material(world, surface->material);
+    if ((*material)->whole) {
+        accel_surface(world->accel, ray, hit, surface);
+    }
+    if (((*material)->lobes & LOBE_EMIT || surface->lamp) && !found_apart(path)) {
+        add_emitted(path, ray, hit, surface);
+    }
+    return ARRIVED;
+}
+
+// What lights emit along a ray, and nothing that anything scatters.
+static void trace_lamps(Path *path, Ray ray)
+{
+    for (int i = 0; i < MAX_PASSES; ++i) {
+        Hit hit;
+        Surface surface;
+        double outside;
+        const WorldMaterial *material;
+        const Arrival arrival = arrive(path, &ray, &hit, &surface, &outside, &material);
+        if (arrival == ARRIVED_NOWHERE ||
+            (arrival == ARRIVED && !pass_on(path, material, &surface, &ray))) {
+            return;
+        }
+    }
+}
+
+// Small lamps that the camera sees by way of a mirror or of smooth glass are bright, and chance
+// takes their way seldom: of clear glass, one path in twenty-five is reflected. So all delta lobes
+// of the surface that is seen first are looked along, for the sake of such lamps alone; what is
+// wide may be as bright by way of all lobes, and a choice between these is then no noise. False
+// where the one that the path takes will do, or they aren't known.
+static bool add_mirrored(Path *path, const ShadingPoint *point, const WorldMaterial *material,
+                         const LightReceiver *receiver)
+{
+    const World *world = path->world;
+    BsdfSample lobes[DELTA_ROOM];
+    const int count = material_deltas(point, point->surface->material, lobes, DELTA_ROOM);
+    const bool others = material->lobes & (LOBE_SMOOTH | LOBE_PASS);
+    if (count < 1 || (count == 1 && !others)) {
+        return false;
+    }
+    for (int i = 0; i < count; ++i) {
+        Path seen = *path;
+        seen.lamps_apart = false;
+        seen.lamps = LAMPS_SMALL;
+        seen.certain = true;
+        seen.receiver = *receiver;
+        seen.depth = 1;
+        seen.radiance = rgb_gray(0);
+        seen.throughput = rgb_mul(path->throughput, lobes[i].weight);
+        if (rgb_is_black(seen.throughput)) {
+            continue;
+        }
+        if (world->media && lobes[i].wi.z * point->wo.z < 0) {
+            medium_cross(world, &seen.media, point->surface);
+        }
+        const Vec3 direction = renormalize(from_local(&point->frame, lobes[i].wi));
+        trace_lamps(&seen, surface_spawn(point->surface, direction));
+        path->radiance = rgb_add(path->radiance, seen.radiance);
+    }
+    return true;
+}
+
 static void trace(Path *path, Ray ray, AovSample *aov)
 {
     const World *world = path->world;
     uint32_t dimension = path->sampler->dimension;
     for (int64_t i = 0; i < world->bounces + MAX_PASSES; ++i) {
         Hit hit;
-        ++path->stats->rays;
-        if (!accel_intersect(world->accel, &ray, &hit)) {
-            if (world->media) {
-                path->throughput = rgb_mul(
-                    path->throughput, medium_transmittance(medium_current(&path->media), INFINITY));
-            }
-            add_escaped(path, ray.direction);
+        Surface surface;
+        double outside;
+        const WorldMaterial *material;
+        const Arrival arrival = arrive(path, &ray, &hit, &surface, &outside, &material);
+        if (arrival == ARRIVED_NOWHERE) {
             return;
         }
-        Surface surface;
-        accel_surface_plain(world->accel, &ray, &hit, &surface);
-        double outside;
-        if (pass_media(path, &surface, hit.t, &outside)) {
-            ray = surface_spawn(&surface, ray.direction);
+        if (arrival == ARRIVED_HIDDEN) {
             continue;
         }
-        const WorldMaterial *material = world_material(world, surface.material);
-        if (material->whole) {
-            accel_surface(world->accel, &ray, &hit, &surface);
-        }
-        if ((material->lobes & LOBE_EMIT || surface.lamp) && !found_apart(path)) {
-            add_emitted(path, &ray, &hit, &surface);
-        }
-        const bool last = path->depth >= world->bounces || path->part == PART_LAMPS;
+        const bool last = path->depth >= world->bounces;
         if (last && !(aov && i == 0)) {
             if (!pass_on(path, material, &surface, &ray)) {
                 return;
@@ -427,33 +516,40 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         if (material->lobes & LOBE_SMOOTH) {
             add_direct(path, &point, material, &receiver, cell, &n, first);
         }
-        if (!scatter(path, &point, material, &receiver, cell, &n, &ray)) {
+        const bool mirrored = path->depth == 0 && material->lobes & LOBE_DELTA &&
+                              world->shape_lights &&
+                              add_mirrored(path, &point, material, &receiver);
+        uint32_t lobes;
+        if (!scatter(path, &point, material, &receiver, cell, &n, &ray, &lobes)) {
             return;
         }
+        const bool known = mirrored && path->depth == 1 && lobes & LOBE_DELTA;
+        path->lamps = known ? LAMPS_WIDE : LAMPS_ALL;
     }
 }
 
-static Rgb find(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
-                IntegratorStats *stats, PathPart part)
+static void begin(Path *path, const World *world, Sampler *sampler, IntegratorStats *stats)
 {
-    Path path;
-    path.world = world;
-    path.part = part;
-    path.sampler = sampler;
-    path.stats = stats;
-    path.throughput = rgb_gray(1);
-    path.radiance = rgb_gray(0);
-    path.depth = 0;
-    path.squeeze = 1;
-    path.certain = true;
-    path.smooth_first = path.photons_find = false;
+    path->world = world;
+    path->sampler = sampler;
+    path->stats = stats;
+    path->throughput = rgb_gray(1);
+    path->radiance = rgb_gray(0);
+    path->depth = 0;
+    path->squeeze = 1;
+    path->certain = true;
+    path->smooth_first = path->photons_find = path->lamps_apart = false;
+    path->lamps = LAMPS_ALL;
     if (world->media) {
-        path.media = world->camera_media;
+        path->media = world->camera_media;
     }
-    trace(&path, *ray, aov);
-    Rgb found = path.radiance;
+}
+
+static Rgb found(const Path *path)
+{
+    const Rgb found = path->radiance;
     if (!rgb_is_finite(found) || found.r < 0 || found.g < 0 || found.b < 0) {
-        ++stats->bad_samples;
+        ++path->stats->bad_samples;
         return rgb_gray(0);
     }
     return found;
@@ -462,18 +558,28 @@ static Rgb find(const World *world, const Ray *ray, Sampler *sampler, AovSample 
 static Rgb radiance(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
                     IntegratorStats *stats)
 {
-    return find(world, ray, sampler, aov, stats, PART_ALL);
+    Path path;
+    begin(&path, world, sampler, stats);
+    trace(&path, *ray, aov);
+    return found(&path);
 }
 
 static Rgb lamps(const World *world, const Ray *ray, Sampler *sampler, IntegratorStats *stats)
 {
-    return find(world, ray, sampler, NULL, stats, PART_LAMPS);
+    Path path;
+    begin(&path, world, sampler, stats);
+    trace_lamps(&path, *ray);
+    return found(&path);
 }
 
 static Rgb rest(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
                 IntegratorStats *stats)
 {
-    return find(world, ray, sampler, aov, stats, PART_REST);
+    Path path;
+    begin(&path, world, sampler, stats);
+    path.lamps_apart = true;
+    trace(&path, *ray, aov);
+    return found(&path);
 }
 
 const IntegratorClass path_integrator = {

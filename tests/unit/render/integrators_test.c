@@ -2,6 +2,7 @@
 #include "../test_support.h"
 
 #include "../../render/scene_maker.h"
+#include "base/fresnel.h"
 #include "render/integrator.h"
 #include "render/world.h"
 
@@ -469,6 +470,43 @@ static void views(void **state)
     check_rgb(seen(world, "depth", vec3(0, 0, 10), vec3(9, 9, 10), 0), 0, 0, 0, 0);
 }
 
+// --- path ---------------------------------------------------------------------------------------
+
+// A lamp that a ray of 45 degrees sees reflected in a ball: F L in glass, whatever way the path
+// itself takes, and w L where a material is a mirror by the part w, and else black or a hole.
+static void lamps_in_delta_lobes(void **state)
+{
+    Lab *lab = *state;
+    SceneMaker *m = &lab->maker;
+    PUT(m, "render", {"bounces", {1}});
+    const uint32_t glass = PUT(m, "fresnel", {"ior", {1.5}});
+    const uint32_t mirror = PUT(m, "mirror", {"color", {1}});
+    const uint32_t black = PUT(m, "lambert", {"color", {0}});
+    const uint32_t mixed = PUT(m, "mix", {"a", {black}}, {"b", {mirror}}, {"weight", {0.25}});
+    const uint32_t masked = PUT(m, "mask", {"base", {mirror}}, {"opacity", {0.25}});
+    const uint32_t lamp = PUT(m, "emissive", {"radiance", {7}});
+    PUT(m, "sphere", {"material", {glass}});
+    PUT(m, "sphere", {"center", {0, 10, 0}}, {"material", {mixed}});
+    PUT(m, "disc", {"center", {0, 20, 0}}, {"normal", {1, 0, 1}}, {"material", {masked}});
+    for (int i = 0; i < 3; ++i) {
+        PUT(m, "sphere", {"center", {8, 10.0 * i, i < 2 ? sqrt(0.5) : 0}}, {"radius", {0.5}},
+            {"material", {lamp}});
+    }
+    World *world = build(lab);
+    const double s = sqrt(0.5);
+    double refracted;
+    const double reflected = fresnel_dielectric(s, 1.5, &refracted);
+    assert_true(reflected > 0.05 && reflected < 0.0503); // 0.0502399
+    const double expected[] = {7 * reflected, 7 * 0.25, 7 * 0.25};
+    for (int i = 0; i < 3; ++i) {
+        const double x = i < 2 ? s : 0, y = 10.0 * i;
+        for (uint32_t number = 0; number < 64; ++number) {
+            check_rgb(seen(world, "path", vec3(x, y, 5), vec3(x, y, 0), number), expected[i],
+                      expected[i], expected[i], 1e-5);
+        }
+    }
+}
+
 static void depth_without_bounds(void **state)
 {
     Lab *lab = *state;
@@ -499,6 +537,7 @@ int main(void)
         WITH_LAB(occlusion),
         WITH_LAB(views),
         WITH_LAB(depth_without_bounds),
+        WITH_LAB(lamps_in_delta_lobes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
