@@ -116,7 +116,7 @@ static inline Running estimate_fully(Estimate *e)
         const Running trial = estimate_once(e);
         const double seconds = (double)(clock() - began) / CLOCKS_PER_SEC;
         const double ratio = errors * running_error(&trial) / (full_bias * fabs(trial.mean));
-        if (!(ratio > 0.9) || e->samples >= FULL_SAMPLES || seconds > full_seconds / 4) {
+        if (!(ratio > 0.75) || e->samples >= FULL_SAMPLES || seconds > full_seconds / 4) {
             break;
         }
         e->samples *= ratio > 2 ? 8 : ratio > 1.2 ? 4 : 2;
