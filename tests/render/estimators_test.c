@@ -346,9 +346,11 @@ enum {
 
 // --- Pairs ---------------------------------------------------------------------------------------
 
-static World *make_world(SceneMaker *maker, const Material *material, const LightKind *light)
+static World *make_world(SceneMaker *maker, const Material *material, const LightKind *light,
+                         const char *sampling)
 {
     maker_init(maker);
+    PUT(maker, "render", {"sampling", {0}, sampling});
     Maker k = {.m = maker};
     k.checker = PUT(maker, "checker", {"a", {0.8}}, {"b", {0.3}}, {"scale", {7, 5, 0}});
     const uint32_t id = material->make(&k);
@@ -376,9 +378,10 @@ static void try_pair(const Material *material, const LightKind *light, uint32_t 
     static const Way OTHERS[] = {{"direct", &direct_integrator, SAMPLING_MIS, false},
                                  {"light", &path_integrator, SAMPLING_LIGHT, false},
                                  {"bsdf", &path_integrator, SAMPLING_BSDF, false}};
-    SceneMaker maker;
+    SceneMaker maker, light_maker;
     static Rivals rivals;
-    rivals = (Rivals){.world = make_world(&maker, material, light),
+    rivals = (Rivals){.world = make_world(&maker, material, light, "mis"),
+                      .light_world = make_world(&light_maker, material, light, "light"),
                       .ray = look,
                       .context = material->below ? &FROM_BELOW : &FROM,
                       .first = MIS,
@@ -391,7 +394,9 @@ static void try_pair(const Material *material, const LightKind *light, uint32_t 
         rivals_compare(&table, &rivals, name, &OTHERS[i], wanted);
     }
     world_free(rivals.world);
+    world_free(rivals.light_world);
     maker_free(&maker);
+    maker_free(&light_maker);
 }
 
 // Does an ordinary run take this pair? Each material comes up twice, and so does each light.
@@ -420,12 +425,13 @@ static bool a_liar_is_found(void)
     SceneMaker maker;
     full_bias = 1e-3;
     lie = full_run() ? 1e-3f : 1e-2f;
-    rivals = (Rivals){.world = make_world(&maker, &MATERIALS[5], &LIGHTS[9]), // ggx, a rectangle
-                      .ray = look,
-                      .context = &FROM,
-                      .first = MIS,
-                      .samples = 1 << 10,
-                      .seconds = 40};
+    rivals =
+        (Rivals){.world = make_world(&maker, &MATERIALS[5], &LIGHTS[9], "mis"), // ggx, a rectangle
+                 .ray = look,
+                 .context = &FROM,
+                 .first = MIS,
+                 .samples = 1 << 10,
+                 .seconds = 40};
     rivals_compare(&liars, &rivals, "a lie", &LIAR, 1);
     world_free(rivals.world);
     maker_free(&maker);

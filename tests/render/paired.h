@@ -26,6 +26,8 @@ enum { MOST_DOUBLINGS = 26, TRIAL = 0, FINAL = 1 };
 
 typedef struct Rivals {
     World *world;
+    World *light_world; // the same, made for light sampling alone: its tables for surroundings are
+                        // others; NULL: `world` is used for that, too
     RayMaker *ray;
     const void *context;
     Way first;        // which the others are held against
@@ -38,15 +40,16 @@ typedef struct Rivals {
 static inline void rivals_run(const Rivals *r, const Way *way, int stage, int doublings,
                               double means[REPLICATES])
 {
-    Estimate e = {.world = r->world,
+    World *world = r->light_world && way->sampling == SAMPLING_LIGHT ? r->light_world : r->world;
+    Estimate e = {.world = world,
                   .integrator = way->integrator,
                   .ray = r->ray,
                   .context = r->context,
                   .samples = 1u << doublings,
                   .seed = stage == FINAL ? 1001 : 1,
                   .fixed = true};
-    r->world->sampling = way->sampling;
-    r->world->russian_roulette = way->roulette;
+    world->sampling = way->sampling;
+    world->russian_roulette = way->roulette;
     estimate_once(&e);
     memcpy(means, e.means, sizeof e.means);
 }
