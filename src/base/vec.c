@@ -93,9 +93,7 @@ Box3 transform_box(const Affine *a, Box3 box)
 {
     Box3 out = box3_empty();
     for (int corner = 0; corner < 8; ++corner) {
-        out = box3_add(out, transform_point(a, vec3(corner & 1 ? box.max.x : box.min.x,
-                                                    corner & 2 ? box.max.y : box.min.y,
-                                                    corner & 4 ? box.max.z : box.min.z)));
+        out = box3_add(out, transform_point(a, box3_corner(box, corner)));
     }
     return out;
 }

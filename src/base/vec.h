@@ -264,6 +264,12 @@ static inline bool box3_equal(Box3 a, Box3 b)
     return a.min.x == b.min.x && a.min.y == b.min.y && a.min.z == b.min.z && a.max.x == b.max.x &&
            a.max.y == b.max.y && a.max.z == b.max.z;
 }
+// Corner 0 to 7: bits 0 to 2 say where x, y and z are the greatest.
+static inline Vec3 box3_corner(Box3 b, int corner)
+{
+    return vec3(corner & 1 ? b.max.x : b.min.x, corner & 2 ? b.max.y : b.min.y,
+                corner & 4 ? b.max.z : b.min.z);
+}
 static inline Vec3 box3_center(Box3 b)
 {
     return scale(add(b.min, b.max), 0.5);

@@ -34,9 +34,8 @@ static void enclose(Caster *caster, const ShapeClass *class, Box3 box, const Aff
     caster->center = transform_point(to_world, middle);
     caster->radius = 0;
     for (int corner = 0; corner < 8; ++corner) {
-        const Vec3 p = vec3(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                            corner & 4 ? box.max.z : box.min.z);
-        const double r = length(transform_vector(to_world, sub(p, middle)));
+        const Vec3 from_middle = sub(box3_corner(box, corner), middle);
+        const double r = length(transform_vector(to_world, from_middle));
         caster->radius = fmax(caster->radius, r);
     }
     if (class == &sphere_shape) {

@@ -20,7 +20,7 @@ bool caustics_begin(Renderer *r, DiagSink *sink)
 {
     CausticFilm *film = &r->caustics;
     r->world->photon_lights = NULL;
-    if (r->params.caustics != CAUSTICS_TRACED || strcmp(r->integrator->name, "path") != 0) {
+    if (r->params.caustics != CAUSTICS_TRACED || !r->integrator->photons) {
         return true;
     }
     if (r->filter.kind == FILTER_CENTER) {

@@ -31,6 +31,7 @@ typedef struct IntegratorClass {
     Rgb (*lamps)(const World *world, const Ray *ray, Sampler *sampler, IntegratorStats *stats);
     Rgb (*rest)(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
                 IntegratorStats *stats);
+    bool photons; // it leaves to photons (photons.h) what World.photon_lights tells it to
     // Reports what the integrator leaves out of this world, before anything is rendered; NULL:
     // nothing.
     void (*check)(const World *world, DiagSink *sink);

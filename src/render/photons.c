@@ -541,26 +541,6 @@ static bool is_seen(const World *world, const PhotonFilm *film, const Surface *a
     return !rgb_is_black(out->light);
 }
 
-// The photon's way to a surface through what it is in; true where it goes on as if nothing were
-// there.
-static bool pass_media(const World *world, Photon *photon, const Surface *surface, double distance,
-                       double *outside)
-{
-    *outside = 0;
-    if (!world->media) {
-        return false;
-    }
-    photon->flux =
-        rgb_mul(photon->flux, surface_transmittance(world, &photon->media, distance, surface));
-    const MediumBoundary boundary = medium_boundary(world, &photon->media, surface);
-    if (boundary.hidden) {
-        medium_cross(world, &photon->media, surface);
-        return true;
-    }
-    *outside = boundary.medium ? boundary.outside : 0;
-    return false;
-}
-
 bool photon_trace(const Photons *p, const PhotonFilm *film, Sampler *sampler,
                   IntegratorStats *stats, PhotonSplat *out)
 {
@@ -582,7 +562,7 @@ bool photon_trace(const Photons *p, const PhotonFilm *film, Sampler *sampler,
         Surface surface;
         accel_surface_plain(world->accel, &photon.ray, &hit, &surface);
         double outside;
-        if (pass_media(world, &photon, &surface, hit.t, &outside)) {
+        if (surface_reach(world, &photon.media, &surface, hit.t, &photon.flux, &outside)) {
             photon.ray = surface_spawn(&surface, photon.ray.direction);
             continue;
         }

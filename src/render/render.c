@@ -92,6 +92,13 @@ static uint32_t tile_side(int wanted)
     return wanted > 0 ? (uint32_t)wanted : TILE_SIZE;
 }
 
+static bool no_memory(const Renderer *r, DiagSink *sink)
+{
+    diag_report(sink, E0001, (Span){0}, "not enough memory for a picture of %lld x %lld pixels",
+                (long long)r->film_params.width, (long long)r->film_params.height);
+    return false;
+}
+
 static bool prepare(Renderer *r, DiagSink *sink)
 {
     if (!resolve_settings(r, sink)) {
@@ -103,9 +110,7 @@ static bool prepare(Renderer *r, DiagSink *sink)
         !tiles_init(&r->tiles, width, height, tile_side(r->options.tile_width),
                     tile_side(r->options.tile_height)) ||
         (r->rule && !adaptive_init(&r->adaptive, width, height, *r->rule, r->samples))) {
-        diag_report(sink, E0001, (Span){0}, "not enough memory for a picture of %u x %u pixels",
-                    width, height);
-        return false;
+        return no_memory(r, sink);
     }
     r->world =
         r->options.world ? r->options.world : world_build(r->scene, r->options.threads, sink);
@@ -122,14 +127,9 @@ static bool prepare(Renderer *r, DiagSink *sink)
     r->pixel_height = 1 / (double)r->film.height;
     if (r->integrator->lamps &&
         !lamp_marks(r->world, &r->camera, width, height, r->filter.width / 2, &r->lamp_marks)) {
-        diag_report(sink, E0001, (Span){0}, "not enough memory for a picture of %u x %u pixels",
-                    width, height);
-        return false;
+        return no_memory(r, sink);
     }
-    if (!caustics_begin(r, sink)) {
-        return false;
-    }
-    return true;
+    return caustics_begin(r, sink);
 }
 
 Renderer *renderer_new(const Scene *scene, const RenderOptions *options, DiagSink *sink)

@@ -147,9 +147,7 @@ void world_set_camera(World *world, const Camera *camera)
         return;
     }
     for (int corner = 0; corner < 8; ++corner) {
-        const Vec3 p = vec3(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                            corner & 4 ? box.max.z : box.min.z);
-        const double depth = camera_depth(camera, p);
+        const double depth = camera_depth(camera, box3_corner(box, corner));
         world->near = fmin(world->near, depth);
         world->far = fmax(world->far, depth);
     }

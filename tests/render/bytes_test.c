@@ -1,8 +1,5 @@
 // From .scn text to the film's bytes: the same for any number of threads, other for another seed,
 // and settings of the text arrive where they should.
-#include "lang/lang.h"
-#include "render/render.h"
-
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,6 +9,7 @@
 #include <cmocka.h>
 
 #include "../trust.h"
+#include "loaded.h"
 
 static const char room[] =
     "film { width: 40, height: 30 }\n"
@@ -26,31 +24,6 @@ static const char room[] =
     "point_light { position: (2, 3, 2), power: 60W }\n"
     "area_light { shape: sphere { center: (-2, 3, 1), radius: 0.3 }, radiance: 20 }\n"
     "environment_light { color: rgb(0.2, 0.3, 0.5) }\n";
-
-typedef struct Loaded {
-    Sandbox sandbox;
-    Lang lang;
-    Scene scene;
-} Loaded;
-
-static void load(Loaded *l, const char *text)
-{
-    sandbox_init(&l->sandbox);
-    assert_true(lang_init(&l->lang, render_schema(), &l->sandbox));
-    assert_true(scene_init(&l->scene, render_schema(), &l->sandbox));
-    const bool ok = lang_load_text(&l->lang, str_from(text), "/test.scn", "test.scn", &l->scene);
-    if (!ok || l->lang.sink.count > 0) {
-        diag_write_text(&l->lang.sink, &l->lang.sources, stderr, DIAG_PLAIN);
-    }
-    assert_true(ok);
-}
-
-static void unload(Loaded *l)
-{
-    scene_free(&l->scene);
-    lang_free(&l->lang);
-    sandbox_free(&l->sandbox);
-}
 
 static Renderer *rendered(Loaded *l, RenderOptions options)
 {

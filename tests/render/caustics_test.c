@@ -7,13 +7,11 @@
 // found" is the smallest relative bias of the picture's light that would have been found in 99 of
 // 100 runs. Lamps are wide, so that paths, too, find them; and most of what the camera sees is the
 // caustic.
-#include "lang/lang.h"
-#include "render/render.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "loaded.h"
 #include "statistics.h"
 
 enum { REPLICATES = 16 };
@@ -144,33 +142,6 @@ static const Case cases[] = {
      TRACED "directional_light { direction: (2, -3, 0), irradiance: 3, angle: 0.2deg }\n",
      FILM BESIDE FLOOR BALL, 256, 0.01},
 };
-
-typedef struct Loaded {
-    Sandbox sandbox;
-    Lang lang;
-    Scene scene;
-} Loaded;
-
-static void load(Loaded *l, const char *text)
-{
-    sandbox_init(&l->sandbox);
-    if (!lang_init(&l->lang, render_schema(), &l->sandbox) ||
-        !scene_init(&l->scene, render_schema(), &l->sandbox)) {
-        abort();
-    }
-    const bool ok = lang_load_text(&l->lang, str_from(text), "/test.scn", "test.scn", &l->scene);
-    if (!ok || l->lang.sink.count > 0) {
-        diag_write_text(&l->lang.sink, &l->lang.sources, stderr, DIAG_PLAIN);
-        abort();
-    }
-}
-
-static void unload(Loaded *l)
-{
-    scene_free(&l->scene);
-    lang_free(&l->lang);
-    sandbox_free(&l->sandbox);
-}
 
 static double mean_luminance(Loaded *l, int64_t samples, int64_t seed)
 {

@@ -152,9 +152,7 @@ bool camera_film_box(const Camera *camera, Box3 bounds, FilmBox *out)
     }
     *out = (FilmBox){INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (int corner = 0; corner < 8; ++corner) {
-        const Vec3 p =
-            vec3(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
-                 corner & 4 ? bounds.max.z : bounds.min.z);
+        const Vec3 p = box3_corner(bounds, corner);
         Vec2 place;
         double blur;
         if (!local_film_place(params, transform_point(&to_camera, p), &place, &blur)) {

@@ -121,14 +121,10 @@ static bool meet(const World *world, Branch *branch, IntegratorStats *stats, Sur
             branch->throughput = rgb_mul(branch->throughput, left);
             return false;
         }
-        Rgb left = surface_transmittance(world, &branch->media, at->hit.t, &at->surface);
-        branch->throughput = rgb_mul(branch->throughput, left);
-        MediumBoundary boundary = medium_boundary(world, &branch->media, &at->surface);
-        if (!boundary.hidden) {
-            at->point.outside = boundary.medium ? boundary.outside : 0;
+        if (!surface_reach(world, &branch->media, &at->surface, at->hit.t, &branch->throughput,
+                           &at->point.outside)) {
             return true;
         }
-        medium_cross(world, &branch->media, &at->surface);
         branch->ray = surface_spawn(&at->surface, branch->ray.direction);
     }
     branch->throughput = rgb_gray(0);

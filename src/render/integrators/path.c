@@ -343,26 +343,6 @@ static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *
     return true;
 }
 
-// Takes the ray's way to a surface through what it is in. True where the surface is covered by it:
-// the ray then goes on as if nothing were there. *outside: see ShadingPoint.
-static bool pass_media(Path *path, const Surface *surface, double distance, double *outside)
-{
-    const World *world = path->world;
-    *outside = 0;
-    if (!world->media) {
-        return false;
-    }
-    path->throughput =
-        rgb_mul(path->throughput, surface_transmittance(world, &path->media, distance, surface));
-    const MediumBoundary boundary = medium_boundary(world, &path->media, surface);
-    if (boundary.hidden) {
-        medium_cross(world, &path->media, surface);
-        return true;
-    }
-    *outside = boundary.medium ? boundary.outside : 0;
-    return false;
-}
-
 // After the last scattering a ray goes on through cut-outs alone, which scatter nothing.
 static bool pass_on(Path *path, const WorldMaterial *material, const Surface *surface, Ray *ray)
 {
@@ -405,7 +385,7 @@ static inline Arrival arrive(Path *path, Ray *ray, Hit *hit, Surface *surface, d
         return ARRIVED_NOWHERE;
     }
     accel_surface_plain(world->accel, ray, hit, surface);
-    if (pass_media(path, surface, hit->t, outside)) {
+    if (surface_reach(world, &path->media, surface, hit->t, &path->throughput, outside)) {
         *ray = surface_spawn(surface, ray->direction);
         return ARRIVED_HIDDEN;
     }
@@ -603,4 +583,5 @@ const IntegratorClass path_integrator = {
     .radiance = radiance,
     .lamps = lamps,
     .rest = rest,
+    .photons = true,
 };

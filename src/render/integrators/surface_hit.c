@@ -60,14 +60,22 @@ Rgb surface_light_passed(const ShadingPoint *point, const MediumStack *media, Ve
     return medium_visibility(point->world, &beyond, shadow);
 }
 
-Rgb surface_transmittance(const World *world, const MediumStack *media, double distance,
-                          const Surface *surface)
+bool surface_reach_through(const World *world, MediumStack *media, const Surface *surface,
+                           double distance, Rgb *carried, double *outside)
 {
     const Medium *medium = medium_current(media);
+    // What is seen from behind, though nothing says that its body was entered, was begun in.
     if (!medium && !surface->front) {
         medium = world_material(world, surface->material)->medium;
     }
-    return medium_transmittance(medium, distance);
+    *carried = rgb_mul(*carried, medium_transmittance(medium, distance));
+    const MediumBoundary boundary = medium_boundary(world, media, surface);
+    if (boundary.hidden) {
+        medium_cross(world, media, surface);
+        return true;
+    }
+    *outside = boundary.medium ? boundary.outside : 0;
+    return false;
 }
 
 Rgb surface_emitted(const World *world, const Surface *surface)

@@ -40,10 +40,17 @@ static inline LightReceiver surface_receiver(const ShadingPoint *point, uint32_t
 // through what the ray to the point was in, or what it is in beyond the surface.
 Rgb surface_light_passed(const ShadingPoint *point, const MediumStack *media, Vec3 wi,
                          const Ray *shadow);
-// What is left of light on the way of a ray in `media` to the surface; one that is seen from
-// behind, though nothing says that its body was entered, was begun in.
-Rgb surface_transmittance(const World *world, const MediumStack *media, double distance,
-                          const Surface *surface);
+// Takes a ray in `media` over `distance` to the surface: *carried, radiance or flux, is dimmed by
+// what it goes through. True where the surface is covered by that: it isn't there, `media` are
+// those behind it, and the ray goes on. *outside: see ShadingPoint.
+bool surface_reach_through(const World *world, MediumStack *media, const Surface *surface,
+                           double distance, Rgb *carried, double *outside);
+static inline bool surface_reach(const World *world, MediumStack *media, const Surface *surface,
+                                 double distance, Rgb *carried, double *outside)
+{
+    *outside = 0;
+    return world->media && surface_reach_through(world, media, surface, distance, carried, outside);
+}
 // The radiance that a surface emits to where the ray that found it came from.
 Rgb surface_emitted(const World *world, const Surface *surface);
 // The radiance of all lights at infinity along a direction in which nothing is hit.

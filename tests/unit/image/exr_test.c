@@ -18,33 +18,12 @@
 
 #include <cmocka.h>
 
+#include "folder.h"
+
 enum { MOST_LAYERS = 4, MOST_TEXTS = 4, MOST_ATTRIBUTES = 64, MOST_CHUNKS = 32 };
 
 static const char *const RGBA[] = {"R", "G", "B", "A"};
 static const char *const XYZ[] = {"X", "Y", "Z"}, *const Z[] = {"Z"}, *const ID[] = {"id"};
-static char folder[] = "/tmp/scn_exr_XXXXXX";
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[64];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    return system(command);
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
 static FileBytes bytes_of(const char *name)
 {
     FileBytes bytes;

@@ -16,33 +16,12 @@
 
 #include <cmocka.h>
 
+#include "folder.h"
+
 enum { WIDTH = 37, HEIGHT = 23, PIXELS = WIDTH * HEIGHT };
 
 static const char *const RGB_NAMES[] = {"R", "G", "B", "A"};
 static const ImageLimits LIMITS = {1 << 24};
-
-static char folder[] = "/tmp/scn_image_XXXXXX";
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[64];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    return system(command);
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
 
 static FileBytes bytes_of(const char *path)
 {

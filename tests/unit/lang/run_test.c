@@ -353,10 +353,13 @@ static void params_are_listed_as_json(void **state)
     remove_folder(folder);
 }
 
-// The params of a file with these lines, as lang_params_json writes them; to be freed.
-static char *params_of(const char *lines)
+typedef bool Writer(Lang *lang, const char *path, const char *shown, FILE *out);
+
+// What `writer` says of a file with these lines, beside two that it may import; to be freed. *good:
+// what it returns.
+static char *written_of(const char *lines, Writer *writer, bool *good)
 {
-    char folder[] = "/tmp/scn_params_XXXXXX", path[128], *text;
+    char folder[] = "/tmp/scn_written_XXXXXX", path[128], *text;
     size_t size;
     assert_non_null(mkdtemp(folder));
     write_file(folder, "a.scn", lines);
@@ -369,7 +372,7 @@ static char *params_of(const char *lines)
     assert_int_equal(sandbox_allow(&sandbox, folder), IO_OK);
     assert_true(lang_init(&lang, &test_schema, &sandbox));
     FILE *out = open_memstream(&text, &size);
-    lang_params_json(&lang, path, "a.scn", out);
+    *good = writer(&lang, path, "a.scn", out);
     fclose(out);
     lang_free(&lang);
     sandbox_free(&sandbox);
@@ -379,7 +382,8 @@ static char *params_of(const char *lines)
 
 static void expect_params(const char *lines, const char *expected)
 {
-    char *text = params_of(lines);
+    bool good;
+    char *text = written_of(lines, lang_params_json, &good);
     if (!strstr(text, expected) || (!*expected && *text)) {
         fail_msg("%s\ngives %s\nand not %s", lines, text, expected);
     }
@@ -415,26 +419,13 @@ static void params_of_all_sorts_are_listed(void **state)
 static void tokens_of_all_kinds_are_dumped(void **state)
 {
     (void)state;
-    char folder[] = "/tmp/scn_tokens_XXXXXX", path[128], *text;
-    size_t size;
-    assert_non_null(mkdtemp(folder));
-    write_file(folder, "a.scn", "name 2cm 3 #00ff00 \"text\" + $");
-    snprintf(path, sizeof path, "%s/a.scn", folder);
-    Sandbox sandbox;
-    Lang lang;
-    sandbox_init(&sandbox);
-    assert_int_equal(sandbox_allow(&sandbox, folder), IO_OK);
-    assert_true(lang_init(&lang, &test_schema, &sandbox));
-    FILE *out = open_memstream(&text, &size);
-    assert_false(lang_dump_tokens(&lang, path, "a.scn", out)); // for the last
-    fclose(out);
+    bool good;
+    char *text = written_of("name 2cm 3 #00ff00 \"text\" + $", lang_dump_tokens, &good);
+    assert_false(good); // for the last
     assert_string_equal(text, "0:4 name name\n5:8 number 2 cm\n9:10 number 3\n"
                               "11:18 color #00ff00\n19:25 string \"text\"\n26:27 +\n"
                               "28:29 error\n29:29 end\n");
     free(text);
-    lang_free(&lang);
-    sandbox_free(&sandbox);
-    remove_folder(folder);
 }
 
 static void noise_is_smooth_and_bounded(void **state)
