@@ -128,9 +128,15 @@ static bool read_guarded(Reader *r, const Source *source, uint32_t file, Interne
     return true;
 }
 
+static size_t mark_length(Str text) // of the byte order mark
+{
+    return text.length >= 3 && memcmp(text.at, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+}
+
 static bool read_source(Formatter *f, const Source *source, uint32_t file, Interner *names)
 {
-    Reader r = {.f = f, .last = ATOM_NONE};
+    // A byte order mark takes no column, neither here nor where lines are laid out.
+    Reader r = {.f = f, .last = ATOM_NONE, .at = (uint32_t)mark_length(source->text)};
     diag_sink_init(&r.nowhere, &r.arena);
     bool good = read_guarded(&r, source, file, names);
     lexer_free(&r.lexer);
@@ -180,8 +186,7 @@ static bool put_line(FormatText *out, const Formatter *f, const Line *line)
 
 static bool put_lines(FormatText *out, const Formatter *f, Str source)
 {
-    bool good = source.length < 3 || memcmp(source.at, "\xef\xbb\xbf", 3) != 0 ||
-                put(out, source.at, 3); // the byte order mark
+    bool good = put(out, source.at, mark_length(source));
     for (size_t i = 0; good && i < f->lines.count; ++i) {
         good = put_line(out, f, &f->lines.items[i]);
     }

@@ -1,7 +1,6 @@
 #include "lang/format_internal.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 // Atoms of several lines that the author put into one column, as a set with one representative.
 typedef struct Column {
@@ -10,12 +9,17 @@ typedef struct Column {
     uint32_t column; // in the source
 } Column;
 
-enum { MOST_COLUMN = 512 }; // of comments that are aligned beyond neighbouring lines
+// A comment at the end of a line.
+typedef struct EndComment {
+    uint32_t paragraph, column; // of the source
+    uint32_t index;             // among the columns
+} EndComment;
 
 typedef struct Aligner {
     Formatter *f;
-    ARRAY(Column) columns;          // the atoms that could be aligned, line by line
-    uint32_t comments[MOST_COLUMN]; // last comment at the end of a line in this column; 1 + index
+    ARRAY(Column) columns; // the atoms that could be aligned, line by line
+    ARRAY(EndComment) comments;
+    uint32_t paragraph; // comments are aligned inside of it, beyond neighbouring lines
 } Aligner;
 
 static uint32_t find_set(Aligner *a, uint32_t i)
@@ -94,15 +98,37 @@ static void link_lines(Aligner *a, uint32_t above, uint32_t begin, uint32_t end)
     }
 }
 
-static void link_comment(Aligner *a, uint32_t i)
+static bool add_comment(Aligner *a, uint32_t i)
 {
     const Column *column = &a->columns.items[i];
-    if (atom_is_comment(&a->f->atoms.items[column->atom]) && column->column < MOST_COLUMN) {
-        uint32_t *last = &a->comments[column->column];
-        if (*last) {
-            link(a, *last - 1, i);
+    EndComment comment = {a->paragraph, column->column, i};
+    return !atom_is_comment(&a->f->atoms.items[column->atom]) || array_push(&a->comments, comment);
+}
+
+static int compare_comments(const void *left, const void *right)
+{
+    const EndComment *a = left, *b = right;
+    if (a->paragraph != b->paragraph) {
+        return a->paragraph < b->paragraph ? -1 : 1;
+    }
+    if (a->column != b->column) {
+        return a->column < b->column ? -1 : 1;
+    }
+    return a->index < b->index ? -1 : 1;
+}
+
+// Each comment with the next one in its paragraph that stands in the same column.
+static void link_comments(Aligner *a)
+{
+    EndComment *comments = a->comments.items;
+    if (a->comments.count > 0) {
+        qsort(comments, a->comments.count, sizeof *comments, compare_comments);
+    }
+    for (size_t i = 1; i < a->comments.count; ++i) {
+        if (comments[i - 1].paragraph == comments[i].paragraph &&
+            comments[i - 1].column == comments[i].column) {
+            link(a, comments[i - 1].index, comments[i].index);
         }
-        *last = i + 1;
     }
 }
 
@@ -117,16 +143,17 @@ static bool link_all(Aligner *a)
         }
         uint32_t end = (uint32_t)a->columns.count;
         if (line->blank && line->indent == 0) {
-            memset(a->comments, 0, sizeof a->comments);
+            ++a->paragraph;
         }
         if (i > 0 && !line->blank && line[-1].indent == line->indent) {
             link_lines(a, above, begin, end);
         }
-        if (end > begin) {
-            link_comment(a, end - 1);
+        if (end > begin && !add_comment(a, end - 1)) {
+            return false;
         }
         above = begin;
     }
+    link_comments(a);
     return true;
 }
 
@@ -203,5 +230,6 @@ bool format_align(Formatter *f)
     Aligner a = {.f = f};
     bool good = link_all(&a) && (a.columns.count == 0 || place_all(&a));
     array_free(&a.columns);
+    array_free(&a.comments);
     return good;
 }

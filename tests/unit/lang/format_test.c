@@ -181,6 +181,11 @@ static void test_comments(void **state)
     expect("let a = - /*c*/ b", "let a = - /*c*/ b\n");
 }
 
+#define COLUMNS_53 "i53_5678901234567890123456789012345678901234567890123"
+#define COLUMNS_530                                                                                \
+    COLUMNS_53 COLUMNS_53 COLUMNS_53 COLUMNS_53 COLUMNS_53 COLUMNS_53 COLUMNS_53 COLUMNS_53        \
+        COLUMNS_53 COLUMNS_53
+
 static void test_columns(void **state)
 {
     (void)state;
@@ -193,6 +198,12 @@ static void test_columns(void **state)
     expect("a      // one\nbcd    // two", "a   // one\nbcd // two\n");
     expect("a      // one\nlonger.name\n", "a // one\nlonger.name\n");
     expect("a(1,  2)\na(10, 3)", "a(1,  2)\na(10, 3)\n");
+    // Beyond column 512, too.
+    expect(COLUMNS_530 "  // one\nlet b = 1\na" COLUMNS_530 " // two",
+           COLUMNS_530 "  // one\nlet b = 1\na" COLUMNS_530 " // two\n");
+    // A byte order mark takes no column.
+    expect("\xef\xbb\xbfhe  // one\nshe // two", "\xef\xbb\xbfhe  // one\nshe // two\n");
+    expect("\xef\xbb\xbfhe // one\nshe  // two", "\xef\xbb\xbfhe // one\nshe // two\n");
     expect("e(\"ü\")   // one\nabcdef   // two", "e(\"ü\") // one\nabcdef // two\n");
 }
 
