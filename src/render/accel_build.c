@@ -390,7 +390,7 @@ static bool build_alone(Accel *accel)
     static RTCDevice device;
     pthread_mutex_lock(&mutex);
     if (!device) {
-        device = rtcNewDevice("threads=1");
+        device = rtcNewDevice("threads=1,hugepages=0");
     }
     const bool ok = device && build_groups(accel, device);
     pthread_mutex_unlock(&mutex);
@@ -404,7 +404,7 @@ static bool build_all(Accel *accel)
         return build_alone(accel);
     }
     char config[64];
-    snprintf(config, sizeof config, "threads=%u", threads);
+    snprintf(config, sizeof config, "threads=%u,hugepages=0", threads);
     RTCDevice device = rtcNewDevice(config);
     accel->device = device;
     return device && build_groups(accel, device);
