@@ -46,10 +46,11 @@ typedef uint32_t AstId; // index into Ast.nodes; 0 is none
               "an IF may lack its else, and then gives none")                                      \
     AST(RANGE, "a, b: ends; aux 1: without the last (..<)")                                        \
     AST(UNARY, "op, a: operand")                                                                   \
-    AST(BINARY, "op, a, b: operands")                                                              \
+    AST(BINARY, "op, a, b: operands; aux: the evaluator's own")                                    \
     AST(INDEX, "a: value, b: index")                                                               \
     AST(MEMBER, "a: value, b: symbol")                                                             \
-    AST(CALL, "a: callee, b: list of arguments (expressions or ARGUMENTs)")                        \
+    AST(CALL,                                                                                      \
+        "a: callee, b: list of arguments (expressions or ARGUMENTs); aux: the evaluator's own")    \
     AST(ARGUMENT, "a: symbol, b: value: an argument by name; its name starts at begin")            \
     AST(KIND, "a: symbol, b: list of FIELDs and items; the name starts at begin")                  \
     AST(FIELD, "a: symbol, b: value; the name starts at begin")                                    \

@@ -21,6 +21,8 @@ bool arg_list(Call *call, uint32_t i, Value *out); // or range
 bool arg_function(Call *call, uint32_t i);
 // A number that is no finite number is an error at the call.
 Value number_result(Call *call, double number, uint8_t dim);
+// x - floor(x), in [0, 1).
+double fraction(double x);
 bool same_dim(Call *call, uint32_t i, uint8_t a, uint8_t b);
 
 #endif

@@ -39,7 +39,7 @@ Value builtin_round(Call *call)
     return unary(call, round);
 }
 
-static double fract(double x)
+double fraction(double x)
 {
     double f = x - floor(x);
     return f < 1 ? f : 0; // -1e-20 rounds to 1
@@ -47,7 +47,7 @@ static double fract(double x)
 
 Value builtin_fract(Call *call)
 {
-    return unary(call, fract);
+    return unary(call, fraction);
 }
 
 Value builtin_sqrt(Call *call)

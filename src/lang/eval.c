@@ -1,4 +1,5 @@
 #include "lang/measure.h"
+#include "lang/numeric.h"
 
 #include <stdio.h>
 
@@ -456,6 +457,7 @@ Value eval(Eval *ev, Env *env, AstId id)
         return value_error();
     }
     const AstNode *node = env_node(env, id);
+    Value v;
     switch ((AstTag)node->tag) {
     case AST_NUMBER:
         return value_number(ast_number(node), node->op);
@@ -476,13 +478,13 @@ Value eval(Eval *ev, Env *env, AstId id)
     case AST_UNARY:
         return eval_unary(ev, env, id);
     case AST_BINARY:
-        return eval_binary(ev, env, id);
+        return node->aux && numeric_run(ev, env, node->aux - 1u, &v) ? v : eval_binary(ev, env, id);
     case AST_INDEX:
         return eval_index(ev, env, id);
     case AST_MEMBER:
         return eval_member(ev, env, id);
     case AST_CALL:
-        return eval_call(ev, env, id);
+        return node->aux && numeric_run(ev, env, node->aux - 1u, &v) ? v : eval_call(ev, env, id);
     case AST_KIND:
         return eval_kind(ev, env, id);
     case AST_WITH:

@@ -50,8 +50,9 @@ struct Module {
     ARRAY(Global) globals;  // names of the file itself, by slot
     uint32_t *global_slots; // hash table of globals: slot + 1
     uint32_t global_mask;
-    uint32_t slot_count;    // of the frame: globals and names of blocks at file level
-    ARRAY(Value) constants; // colors, decoded
+    uint32_t slot_count;     // of the frame: globals and names of blocks at file level
+    ARRAY(Value) constants;  // colors, decoded
+    struct Numeric *numeric; // see numeric.h; NULL: none
     Env *env;
 };
 
@@ -354,6 +355,9 @@ Value eval_index(Eval *ev, Env *env, AstId id);
 // E0412, with the number that isn't whole or what else it is.
 void report_not_whole(Eval *ev, Span at, const char *rule, Value v);
 Value eval_unary(Eval *ev, Env *env, AstId id);
+// `a op b` for + - * / % and ^ of numbers, and the dimension of that; false where it has none.
+double operator_apply(Operator op, double a, double b);
+bool operator_dim(Operator op, uint8_t a, uint8_t b, uint8_t *out);
 Value eval_binary(Eval *ev, Env *env, AstId id);
 // E0706 where a "list" or "range" has more than `limits.list_length` items, or 2^32.
 bool check_list_length(Eval *ev, const char *what, double count, Span at);

@@ -99,6 +99,7 @@ typedef struct Lang {
     bool whole; // nothing is evaluated before all of the file was read: for tests, since this only
                 // costs time and memory
     unsigned threads;       // that evaluate; 0 and 1: one. More make no difference but to time
+    bool walked;            // numbers are computed as all other values are, for tests
     bool aside_always;      // more threads are used wherever they can be, for tests
     size_t stack;           // bytes of its stack that evaluation may use, for tests; 0: nearly all
     Observations *observed; // where values are kept; NULL: nowhere. The texts are the arena's.

@@ -1,6 +1,6 @@
 // Files: parsing, and the imports between them. A file is read once, however many import it.
 #include "base/hash.h"
-#include "lang/eval.h"
+#include "lang/numeric.h"
 
 static const uint32_t *item_words(const Module *module, AstId item)
 {
@@ -47,6 +47,7 @@ static void module_free(Module *module)
     ast_free(&module->ast);
     array_free(&module->globals);
     array_free(&module->constants);
+    numeric_free(module);
 }
 
 void modules_free(Eval *ev)

@@ -101,7 +101,7 @@ static double modulo(double a, double b)
     return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest;
 }
 
-static double apply(Operator op, double a, double b)
+double operator_apply(Operator op, double a, double b)
 {
     switch (op) {
     case OP_ADD:
@@ -119,8 +119,7 @@ static double apply(Operator op, double a, double b)
     }
 }
 
-// The dimension of a result; false where the operation has no meaning.
-static bool result_dim(Operator op, uint8_t a, uint8_t b, uint8_t *out)
+bool operator_dim(Operator op, uint8_t a, uint8_t b, uint8_t *out)
 {
     switch (op) {
     case OP_ADD:
@@ -143,10 +142,10 @@ static bool result_dim(Operator op, uint8_t a, uint8_t b, uint8_t *out)
 static Value number_operation(Eval *ev, Operator op, Value a, Value b, Span at)
 {
     uint8_t dim;
-    if (!result_dim(op, a.dim, b.dim, &dim)) {
+    if (!operator_dim(op, a.dim, b.dim, &dim)) {
         return wrong_dims(ev, op, a, b, at);
     }
-    double number = apply(op, a.number, b.number);
+    double number = operator_apply(op, a.number, b.number);
     return isfinite(number) ? value_number(number, dim) : not_finite(ev, op, b, at);
 }
 
@@ -169,7 +168,7 @@ static Value component_operation(Eval *ev, Operator op, Value a, Value b, Span a
     if (!takes_components(op, a, b)) {
         return wrong_operands(ev, op, a, b, at);
     }
-    if (!result_dim(op, a.dim, b.dim, &dim)) {
+    if (!operator_dim(op, a.dim, b.dim, &dim)) {
         return wrong_dims(ev, op, a, b, at);
     }
     Value like = a.type != VALUE_NUMBER ? a : b;
@@ -180,7 +179,7 @@ static Value component_operation(Eval *ev, Operator op, Value a, Value b, Span a
     for (int i = 0; i < like.small; ++i) {
         double x = a.type == VALUE_NUMBER ? a.number : a.components[i];
         double y = b.type == VALUE_NUMBER ? b.number : b.components[i];
-        out[i] = apply(op, x, y);
+        out[i] = operator_apply(op, x, y);
         if (!isfinite(out[i])) {
             return not_finite(ev, op, b, at);
         }

@@ -1,6 +1,7 @@
 #include "lang/resolve.h"
 
 #include "base/hash.h"
+#include "lang/numeric.h"
 
 #include <stdio.h>
 
@@ -653,6 +654,7 @@ void resolver_end(Resolver *r)
     scope_end(r, (ScopeMark){.bindings = 1});
     r->module->slot_count = r->next_slot;
     index_globals(r);
+    numeric_make(r->ev, r->module);
 }
 
 void resolve_module(Eval *ev, Module *module)

@@ -204,7 +204,7 @@ static void free_outcome(Outcome *outcome)
 
 // How a run is made, and where it ends halfway.
 typedef struct Way {
-    bool whole, watched, beside;
+    bool whole, watched, beside, walked;
     uint64_t allocations; // that succeed
     size_t stack;         // Lang.stack
     size_t limit;         // 1 + the offset in Limits of one that is `least`; 0: none
@@ -237,6 +237,7 @@ static bool run_program(const Program *program, Way way, Outcome *outcome)
     lang.whole = way.whole;
     lang.threads = way.beside ? 3 : 1;
     lang.aside_always = way.beside;
+    lang.walked = way.walked;
     lang.observed = way.watched ? &observed : NULL;
     lang.testing = lang.bindings = way.watched;
     lang.stack = way.stack;
@@ -304,12 +305,14 @@ static bool is_same(const Program *program, const Outcome *whole, const Outcome 
 static bool other_ways_agree(const Program *program, const Outcome *whole)
 {
     static const char *const how[] = {"beside one another", "as they are read",
-                                      "as they are read, and beside one another"};
+                                      "as they are read, and beside one another",
+                                      "without steps for numbers"};
     bool good = true;
-    for (int i = 1; good && i < 4; ++i) {
+    for (int i = 1; good && i < 5; ++i) {
         Way way = at_once;
-        way.beside = i != 2;
-        way.whole = i == 1;
+        way.beside = i == 1 || i == 3;
+        way.whole = i == 1 || i == 4;
+        way.walked = i == 4;
         Outcome other;
         good = run_program(program, way, &other) && is_same(program, whole, &other, how[i - 1]);
         free_outcome(&other);
