@@ -275,6 +275,35 @@ static bool read_any(const char *format, const void *bytes, size_t size, ImageLi
     return true;
 }
 
+// What isn't there for the taking, OpenImageIO reads, or says why not.
+static bool read_exr(const char *format, const void *bytes, size_t size, ImageLimits limits,
+                     Image *out, char *message, size_t message_size)
+{
+    ExrReading reading = EXR_NOT_READ;
+    ExrRead read = {.bytes = bytes,
+                    .size = size,
+                    .max_pixels = limits.max_pixels,
+                    .memory = {mem_alloc_zeroed, mem_free}};
+    if (module_exists("scn_exr")) {
+        const ExrFunctions *exr = exr_functions(message, message_size);
+        if (!exr) {
+            return false;
+        }
+        reading = exr->read(&read);
+    }
+    switch (reading) {
+    case EXR_IS_READ:
+        *out = (Image){read.width, read.height, read.channels, read.pixels, false};
+        return true;
+    case EXR_NO_MEMORY:
+        snprintf(message, message_size, "there is not enough memory for it");
+        return false;
+    case EXR_NOT_READ:
+        break;
+    }
+    return read_any(format, bytes, size, limits, out, message, message_size);
+}
+
 bool image_read(const char *name, const void *bytes, size_t size, ImageLimits limits, Image *out,
                 char *message, size_t message_size)
 {
@@ -287,7 +316,10 @@ bool image_read(const char *name, const void *bytes, size_t size, ImageLimits li
     if (!size_is_allowed(format, bytes, size, limits, message, message_size)) {
         return false;
     }
-    return is_png(format) ? read_png(bytes, size, limits, out, message, message_size)
+    if (is_png(format)) {
+        return read_png(bytes, size, limits, out, message, message_size);
+    }
+    return is_exr(format) ? read_exr(format, bytes, size, limits, out, message, message_size)
                           : read_any(format, bytes, size, limits, out, message, message_size);
 }
 

@@ -1,7 +1,8 @@
-// Images: PNG is read and written through libpng, EXR written through OpenEXR's C part, all else
-// through OpenImageIO (and EXR where OpenEXR's module isn't there). They are loaded as modules on
-// first use, libpng and OpenEXR in a millisecond or two, OpenImageIO in a third of a second (and
-// 130 MB); oiio.cpp is the project's only C++ file, and no exception leaves it.
+// Images: PNG is read and written through libpng, EXR through OpenEXR's C part, all else through
+// OpenImageIO (and EXR of kinds that module_exr_read.c leaves alone, or where OpenEXR's module
+// isn't there). They are loaded as modules on first use, libpng and OpenEXR in a millisecond or
+// two, OpenImageIO in a third of a second (and 130 MB); oiio.cpp is the project's only C++ file,
+// and no exception leaves it.
 #ifndef IMAGE_IMAGE_H
 #define IMAGE_IMAGE_H
 

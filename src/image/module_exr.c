@@ -1,9 +1,9 @@
-// EXR files by OpenEXR's C part; the module that image.c loads to write them. See exr_module.h.
-#include "image/exr_module.h"
+// EXR files by OpenEXR's C part; the module that image.c loads for them. Here they are written, in
+// module_exr_read.c read. See exr_module.h.
+#include "image/module_exr.h"
 
 #include <errno.h>
 #include <limits.h>
-#include <openexr.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -75,6 +75,18 @@ static void on_error(exr_const_context_t context, exr_result_t code, const char 
     (void)context; // lest they are printed; whoever called tells by the result
     (void)code;
     (void)text;
+}
+
+exr_context_initializer_t exr_context_settings(ExrMemory memory, void *user)
+{
+    exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    atomic_store(&allocate, memory.allocate);
+    atomic_store(&release, memory.release);
+    settings.error_handler_fn = on_error;
+    settings.alloc_fn = on_allocate;
+    settings.free_fn = on_free;
+    settings.user_data = user;
+    return settings;
 }
 
 static int64_t on_write(exr_const_context_t context, void *data, const void *bytes, uint64_t size,
@@ -294,11 +306,7 @@ static exr_result_t write_rows(Work *work)
 
 static bool write_picture(Work *work)
 {
-    exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    start.error_handler_fn = on_error;
-    start.alloc_fn = on_allocate;
-    start.free_fn = on_free;
-    start.user_data = work;
+    exr_context_initializer_t start = exr_context_settings(work->write->memory, work);
     start.write_fn = on_write;
     start.zip_level = ZIP_LEVEL;
     exr_result_t result =
@@ -332,8 +340,6 @@ static bool write_file(Work *work)
 static bool write_exr(const ExrWrite *write, char *message, size_t message_size)
 {
     Work work = {.write = write, .message = message, .message_size = message_size};
-    atomic_store(&allocate, write->memory.allocate);
-    atomic_store(&release, write->memory.release);
     const bool good = make_channels(&work) && write_file(&work);
     if (work.channels) {
         write->memory.release(work.channels);
@@ -342,4 +348,4 @@ static bool write_exr(const ExrWrite *write, char *message, size_t message_size)
 }
 
 __attribute__((visibility("default")))
-const ExrFunctions scn_exr_functions = {EXR_MODULE_VERSION, write_exr};
+const ExrFunctions scn_exr_functions = {EXR_MODULE_VERSION, write_exr, exr_module_read};
