@@ -11,9 +11,10 @@
 // Numbers of the sampler for each surface, two sets of four: two on the light, choice of the light
 // and of its part; two for the direction, choice of the lobe, roulette.
 enum { DIMENSIONS_PER_SURFACE = 8 };
-// Roulette begins after this many scatterings: those before are stratified over a pixel's samples,
-// which roulette would undo.
-enum { ROULETTE_START = 5 };
+// Roulette begins after this many scatterings by smooth lobes, for those before are stratified over
+// a pixel's samples, which roulette would undo; or after this many of any. Mirrors and clear glass
+// lead a path on as it was, and what finds the sun behind them is worth what it takes to get there.
+enum { ROULETTE_START = 5, ROULETTE_LATEST = 8 };
 
 // Which lamps the present ray is to find.
 typedef enum LampWays {
@@ -29,6 +30,7 @@ typedef struct Path {
     Rgb throughput; // of the path so far
     Rgb radiance;   // found so far
     int64_t depth;  // scatterings so far
+    int64_t spread; // those by smooth lobes
     float squeeze;  // radiance here over radiance at the camera, by indices of refraction alone
     // How the present ray's direction was chosen, for the weight of light that it hits.
     float pdf;              // by solid angle
@@ -238,7 +240,8 @@ static void add_direct(Path *path, const ShadingPoint *point, const WorldMateria
 // scattering is its albedo, as it would be by the throughput itself.
 static bool roulette(Path *path, float number)
 {
-    if (!path->world->russian_roulette || path->depth < ROULETTE_START) {
+    if (!path->world->russian_roulette ||
+        (path->spread < ROULETTE_START && path->depth < ROULETTE_LATEST)) {
         return true;
     }
     float survival = rgb_max(path->throughput) * path->squeeze;
@@ -327,6 +330,7 @@ static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *
             medium_cross(world, &path->media, point->surface);
         }
         ++path->depth;
+        path->spread += !(s.lobes & LOBE_DELTA);
         if (world->photon_lights) {
             leave_to_photons(path, point->surface, material, s.lobes);
         }
@@ -515,7 +519,7 @@ static void begin(Path *path, const World *world, Sampler *sampler, IntegratorSt
     path->stats = stats;
     path->throughput = rgb_gray(1);
     path->radiance = rgb_gray(0);
-    path->depth = 0;
+    path->depth = path->spread = 0;
     path->squeeze = 1;
     path->certain = true;
     path->smooth_first = path->photons_find = path->lamps_apart = false;
