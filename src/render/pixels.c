@@ -93,8 +93,8 @@ static Rgb lamps_seen(const Renderer *r, const Site *site, uint32_t number, Inte
     Rgb sum = rgb_gray(0);
     for (uint32_t i = 0; i < LAMP_RAYS; ++i) {
         Sampler sampler;
-        sampler_start(&sampler, site->stream->seed ^ LAMP_STREAM, site->x, site->y,
-                      number * LAMP_RAYS + i);
+        sampler_start_neighbour(&sampler, site->stream->seed ^ LAMP_STREAM, site->x, site->y,
+                                number * LAMP_RAYS + i);
         Ray ray;
         if (sample_ray(r, site, &sampler, &ray)) {
             sum = rgb_add(sum, lamps_along(r, &ray, &sampler, stats));
@@ -111,7 +111,7 @@ static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, Aov
     const bool apart = lamps_apart(r, site, stats);
     const Rgb lamps = apart ? lamps_seen(r, site, number, stats) : rgb_gray(0);
     Sampler sampler;
-    sampler_start(&sampler, site->stream->seed, site->x, site->y, number);
+    sampler_start_neighbour(&sampler, site->stream->seed, site->x, site->y, number);
     Ray ray;
     if (!sample_ray(r, site, &sampler, &ray)) {
         return lamps;

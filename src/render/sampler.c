@@ -15,19 +15,6 @@ static uint32_t reverse_bits(uint32_t x)
     return ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
 }
 
-// A permutation in which each bit is flipped or not by a hash of the bits below it: applied to
-// bit-reversed numbers, an Owen scramble. Laine and Karras 2011, with the constants of Vegdahl 2021
-// ("Building a Better LK Hash"), which leave far less bias than the published ones.
-static uint32_t laine_karras(uint32_t x, uint32_t seed)
-{
-    x ^= x * 0x3d20adeau;
-    x += seed;
-    x *= (seed >> 16) | 1u;
-    x ^= x * 0x05526c56u;
-    x ^= x * 0x53a22864u;
-    return x;
-}
-
 uint32_t sampler_pixel_seed(uint32_t seed, uint32_t pixel_x, uint32_t pixel_y)
 {
     return hash_combine(hash_combine(hash_u32(seed ^ 0x5ca1ab1eu), pixel_x), pixel_y);
@@ -38,11 +25,23 @@ void sampler_start(Sampler *sampler, uint32_t seed, uint32_t pixel_x, uint32_t p
 {
     sampler->seed = sampler_pixel_seed(seed, pixel_x, pixel_y);
     sampler->reversed_index = reverse_bits(sample);
+    sampler->place = sampler->places = 0;
     sampler->dimension = 0;
     sampler->pair = 0;
 }
 
-// The same for eight numbers at once, which compilers don't find by themselves.
+void sampler_start_neighbour(Sampler *sampler, uint32_t seed, uint32_t pixel_x, uint32_t pixel_y,
+                             uint32_t sample)
+{
+    // Four bits, reversed and spread.
+    static const uint8_t spread[16] = {0x00, 0x80, 0x20, 0xa0, 0x08, 0x88, 0x28, 0xa8,
+                                       0x02, 0x82, 0x22, 0xa2, 0x0a, 0x8a, 0x2a, 0xaa};
+    sampler_start(sampler, seed, pixel_x / 16, pixel_y / 16, sample);
+    sampler->place = spread[pixel_x % 16] | (uint32_t)spread[pixel_y % 16] >> 1;
+    sampler->places = 255;
+}
+
+// Several numbers at once, which compilers don't find by themselves.
 typedef uint32_t Four __attribute__((vector_size(16)));
 typedef uint8_t Bytes __attribute__((vector_size(32)));
 typedef uint32_t Eight __attribute__((vector_size(32)));
@@ -58,6 +57,18 @@ INLINE void eight_hash(Eight *out)
     x ^= x >> 15;
     x *= 0x846ca68bu;
     *out = x ^ (x >> 16);
+}
+
+// A permutation in which each bit is flipped or not by a hash of the bits below it: applied to
+// bit-reversed numbers, an Owen scramble. Laine and Karras 2011, with the constants of Vegdahl 2021
+// ("Building a Better LK Hash"), which leave far less bias than the published ones.
+INLINE uint32_t laine_karras(uint32_t x, uint32_t seed)
+{
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    return x ^ x * 0x53a22864u;
 }
 
 INLINE void eight_laine_karras(Eight *out, const Eight *seeds)
@@ -96,12 +107,24 @@ INLINE Four sobol(uint32_t index)
     return x;
 }
 
+// What is added for the pixel's place in its patch, reversed. Sets differ in the order of pixels,
+// as they do in that of samples.
+INLINE Four shift(const Sampler *sampler, uint32_t seed)
+{
+    const uint32_t key = seed >> 16 | seed << 16; // not that of the samples' order
+    const uint32_t place = laine_karras(sampler->place, key) & sampler->places;
+    Four low, high;
+    memcpy(&low, place_nibbles[0][place & 15], sizeof low);
+    memcpy(&high, place_nibbles[1][place >> 4 & 15], sizeof high);
+    return low ^ high;
+}
+
 VECTOR_CLONES static void fill_pair(Sampler *sampler, uint32_t pair)
 {
     const uint32_t a = hash_combine(sampler->seed, 2 * pair);
     const uint32_t b = hash_combine(sampler->seed, 2 * pair + 1);
-    const Four first = sobol(laine_karras(sampler->reversed_index, a));
-    const Four second = sobol(laine_karras(sampler->reversed_index, b));
+    const Four first = sobol(laine_karras(sampler->reversed_index, a)) ^ shift(sampler, a);
+    const Four second = sobol(laine_karras(sampler->reversed_index, b)) ^ shift(sampler, b);
     Eight x = __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7);
     const Eight seed = {a, a, a, a, b, b, b, b};
     const Eight dimension = {0x9e3779b9u, 2 * 0x9e3779b9u, 3 * 0x9e3779b9u, 4 * 0x9e3779b9u,

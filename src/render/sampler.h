@@ -6,6 +6,14 @@
 // Within a set, dimensions 0 and 1 are a (0, 2)-sequence: any 2^m samples that begin at a multiple
 // of 2^m hold one point in each elementary interval. So two numbers that matter together are best
 // drawn by sampler_2d at the start of a set.
+//
+// Neighbouring pixels of a picture complete one another: the 16 × 16 pixels of a patch share their
+// scrambles and differ in a digital shift each, chosen such that 4^b samples of each aligned square
+// of 2^a × 2^a pixels are one net, too (sobol_tables.h). A pixel's own points are as good and as
+// random as without; but where a pixel has a little too much light its neighbours have too little,
+// so that what is left of noise is fine-grained and goes when it is seen from afar (the idea: Ahmed
+// and Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical
+// Ordering of Pixels"; theirs has to know the number of samples from the start).
 #ifndef RENDER_SAMPLER_H
 #define RENDER_SAMPLER_H
 
@@ -16,19 +24,24 @@
 
 // Private but for sampler_*(); a few words, to live on the stack.
 typedef struct Sampler {
-    uint32_t seed;           // of this pixel
+    uint32_t seed;           // of this pixel, or of its patch
+    uint32_t place, places;  // in the patch: reversed Morton number, and its bits; 0, 0: no patch
     uint32_t reversed_index; // number of the sample, its bits reversed
     uint32_t dimension;      // next dimension
     uint32_t pair;           // of sets of four that `values` holds + 1; 0: none
     float values[8];
 } Sampler;
 
-// The seed of a pixel's sequences: the only place where the screen and the picture's seed enter.
+// The seed of a pixel's or a patch's sequences: with the place in it all of the screen and of the
+// picture's seed that enters.
 uint32_t sampler_pixel_seed(uint32_t seed, uint32_t pixel_x, uint32_t pixel_y);
 
-// Begins at dimension 0 of sample number `sample` of a pixel.
+// Begins at dimension 0 of sample number `sample` of a pixel; all pixels are independent.
 void sampler_start(Sampler *sampler, uint32_t seed, uint32_t pixel_x, uint32_t pixel_y,
                    uint32_t sample);
+// The same for pixels of a picture, of which neighbours complete one another.
+void sampler_start_neighbour(Sampler *sampler, uint32_t seed, uint32_t pixel_x, uint32_t pixel_y,
+                             uint32_t sample);
 // Fills `values` with the sets of four dimensions number 2 pair and 2 pair + 1.
 void sampler_fill(Sampler *sampler, uint32_t pair);
 // Goes on at the given dimension, so that paths that took different turns agree on the dimensions
@@ -48,8 +61,8 @@ static inline float sampler_1d(Sampler *sampler)
 // The bits beyond the first 24 of dimension `dimension`, for sampler_1d_fine.
 static inline double sampler_finer(const Sampler *sampler, uint32_t dimension)
 {
-    const uint32_t more =
-        hash_combine(hash_combine(sampler->seed, sampler->reversed_index), dimension);
+    const uint32_t pixel = sampler->seed ^ sampler->place << 24;
+    const uint32_t more = hash_combine(hash_combine(pixel, sampler->reversed_index), dimension);
     return 0x1p-24 * ((double)(more >> 3) * 0x1p-29);
 }
 

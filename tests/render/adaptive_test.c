@@ -19,7 +19,8 @@ enum { SIDE = 16, CELLS = (SIDE / ADAPTIVE_CELL) * (SIDE / ADAPTIVE_CELL) };
 // Numbers that know nothing of each other: a sample's strata would help.
 static float independent(const Sampler *sampler)
 {
-    return hash_to_float(hash_combine(sampler->seed, sampler->reversed_index));
+    const uint32_t pixel = hash_combine(sampler->seed, sampler->place);
+    return hash_to_float(hash_combine(pixel, sampler->reversed_index));
 }
 
 // A little light always, and a flash in one sample of so many: mean 1.
