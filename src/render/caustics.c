@@ -24,7 +24,7 @@ bool caustics_begin(Renderer *r, DiagSink *sink)
         return true;
     }
     if (r->filter.kind == FILTER_CENTER) {
-        diag_report(sink, W0963, (Span){0},
+        diag_report(sink, W0963, scene_setting_at(r->scene, "render"),
                     "caustics can't be traced to the centers of pixels: paths find them by luck");
         return true;
     }

@@ -172,13 +172,25 @@ uint32_t scene_add_mesh(Scene *scene, Mesh mesh)
     return has_room(all->count) && array_push(all, mesh) ? newest(all->count) : NONE_ID;
 }
 
-const void *scene_setting(const Scene *scene, const char *kind)
+static const SceneNode *find_setting(const Scene *scene, const char *kind)
 {
     const SceneNodeArray *settings = &scene->nodes[CATEGORY_SETTING];
     for (size_t i = settings->count; i-- > 0;) {
         if (strcmp(scene_node_type(scene, &settings->items[i])->name, kind) == 0) {
-            return scene_params(scene, &settings->items[i]);
+            return &settings->items[i];
         }
     }
     return NULL;
+}
+
+const void *scene_setting(const Scene *scene, const char *kind)
+{
+    const SceneNode *node = find_setting(scene, kind);
+    return node ? scene_params(scene, node) : NULL;
+}
+
+Span scene_setting_at(const Scene *scene, const char *kind)
+{
+    const SceneNode *node = find_setting(scene, kind);
+    return node ? node->at : (Span){0};
 }

@@ -151,5 +151,7 @@ static inline const void *scene_params(const Scene *scene, const SceneNode *node
 }
 // The parameters of a settings kind ("film", "render"): the last one set, or NULL where none was.
 const void *scene_setting(const Scene *scene, const char *kind);
+// Where it was set; no place where it wasn't.
+Span scene_setting_at(const Scene *scene, const char *kind);
 
 #endif

@@ -60,4 +60,5 @@ sed 's/height: 24/height: 24, filter: "center"/' traced.scn >center.scn
 run center.scn -o center.exr
 expect_code 0
 expect_text err "warning[W0963]: caustics can't be traced to the centers of pixels: paths find them by luck"
+expect_text err "center.scn:"
 finish
