@@ -129,6 +129,31 @@ void arena_rewind(Arena *arena, ArenaMark mark)
     arena->end = mark.end;
 }
 
+void arena_adopt(Arena *arena, Arena *from)
+{
+    if (!from->last) {
+        return;
+    }
+    ArenaBlock *oldest = from->last;
+    while (oldest->before) {
+        oldest = oldest->before;
+    }
+    oldest->before = arena->last;
+    arena->last = from->last;
+    arena->next = from->next;
+    arena->end = from->end;
+    arena->reserved += from->reserved;
+    if (arena->family) {
+        arena->family->reserved += from->reserved;
+    }
+    if (from->family) {
+        from->family->reserved -= from->reserved;
+    }
+    from->last = NULL;
+    from->next = from->end = NULL;
+    from->reserved = 0;
+}
+
 void arena_free(Arena *arena)
 {
     arena_rewind(arena, (ArenaMark){0});

@@ -47,6 +47,9 @@ char *arena_printf(Arena *arena, const char *format, ...) __attribute__((format(
 // Everything allocated after a mark is given back by arena_rewind to that mark.
 ArenaMark arena_mark(const Arena *arena);
 void arena_rewind(Arena *arena, ArenaMark mark);
+// Puts all that lies in `from` behind what lies in `arena`, as if it had been allocated there just
+// now; nothing moves. `from` is empty then. Limits aren't looked at.
+void arena_adopt(Arena *arena, Arena *from);
 // Gives everything back; the arena is empty and usable again.
 void arena_free(Arena *arena);
 

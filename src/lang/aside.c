@@ -19,6 +19,7 @@ struct Asides {
     AsideWork *work;
     void *context;
     uint32_t count, ready;
+    const ListMaker *list; // whose elements are made; NULL: parts of a scene are
     Unit *units;
 };
 
@@ -26,16 +27,22 @@ enum { UNITS_EACH = 4, MOST_UNITS = 256, MOST_REFUSALS = 16, LEAST_STEPS = 1 << 
 
 static const Scene empty_scene = {.camera = NONE_ID};
 
-uint32_t aside_units(const Eval *ev)
+// Likewise, of a list's elements: these don't touch the scene.
+static uint32_t units_of_values(const Eval *ev)
 {
     const Lang *lang = ev->lang;
     const bool alone = ev->aside || lang->threads < 2 || lang->observed || lang->stack ||
-                       ev->emitter->collecting || ev->emitter->record || ev->emitter->prototype ||
-                       ev->forcing || ev->region + 1 >= REGION_COUNT ||
-                       ev->asides_refused >= MOST_REFUSALS;
+                       ev->region + 1 >= REGION_COUNT || ev->asides_refused >= MOST_REFUSALS;
     const uint32_t most =
         lang->threads < MOST_UNITS / UNITS_EACH ? lang->threads * UNITS_EACH : MOST_UNITS;
     return alone ? 0 : most;
+}
+
+uint32_t aside_units(const Eval *ev)
+{
+    const bool alone =
+        ev->emitter->collecting || ev->emitter->record || ev->emitter->prototype || ev->forcing;
+    return alone ? 0 : units_of_values(ev);
 }
 
 uint64_t aside_least(const Eval *ev)
@@ -112,7 +119,7 @@ static void clear_scene(Scene *scene)
 }
 
 // The outer evaluator as it stands, with memory and a scene of the unit's own.
-static bool begin_unit(Unit *unit, const Eval *outer, bool is_caller)
+static bool begin_unit(Unit *unit, const Eval *outer, bool is_caller, bool of_values)
 {
     enum { STACK_KEPT = 512 << 10 };
     Eval *ev = &unit->ev;
@@ -126,6 +133,7 @@ static bool begin_unit(Unit *unit, const Eval *outer, bool is_caller)
     for (int i = 0; i < REGION_COUNT; ++i) {
         ev->regions[i] = (Arena){.on_oom = &ev->on_oom, .family = &ev->memory};
     }
+    ev->region += of_values; // frames of its own are known by that
     ev->arena = &ev->regions[ev->region];
     ev->stack = (ValueArray){0};
     diag_sink_init(&unit->sink, &unit->reports);
@@ -138,14 +146,18 @@ static bool begin_unit(Unit *unit, const Eval *outer, bool is_caller)
     return ev->consed_transforms && ev->first_transforms;
 }
 
-static void end_unit(Unit *unit)
+static void end_unit(Unit *unit, bool keep_values)
 {
     Eval *ev = &unit->ev;
-    array_free(&ev->stack);
     diag_sink_free(&unit->sink);
     arena_free(&unit->reports);
+    if (!keep_values) {
+        array_free(&ev->stack);
+    }
     for (int i = 0; i < REGION_COUNT; ++i) {
-        arena_free(&ev->regions[i]);
+        if (!keep_values || &ev->regions[i] != ev->arena) {
+            arena_free(&ev->regions[i]);
+        }
     }
 }
 
@@ -154,14 +166,16 @@ static void run_unit(void *context, uint64_t item, unsigned worker)
     struct Asides *all = context;
     Unit *unit = &all->units[item];
     unit->done = unit->whole = false;
-    if (!begin_unit(unit, all->outer, worker == 0)) {
+    const bool values = all->list != NULL;
+    if (!begin_unit(unit, all->outer, worker == 0, values)) {
         return;
     }
     if (setjmp(unit->ev.on_oom) == 0) {
         unit->whole = all->work(&unit->ev, all->context, (uint32_t)item, worker);
         unit->done = unit->ev.stop == STOP_NOT && unit->sink.count == 0;
     }
-    end_unit(unit);
+    unit->ev.arena = &unit->ev.regions[all->outer->region + values];
+    end_unit(unit, values && unit->done);
 }
 
 // --- Joining ---------------------------------------------------------------------------------
@@ -381,7 +395,49 @@ static uint32_t join_units(struct Asides *all)
     return joined;
 }
 
-uint32_t aside_run(Eval *ev, AsideWork *work, void *context, uint32_t count)
+// Puts the elements of a unit on the stack, and what they point to where they would lie. False
+// where they aren't to be there.
+static bool place_values(struct Asides *all, Unit *unit, Count begun)
+{
+    Eval *outer = all->outer, *ev = &unit->ev;
+    const size_t count = ev->stack.count, before = outer->stack.count - all->list->base;
+    const ArenaFamily *memory = &outer->memory;
+    if (!unit->done || !limits_allow(outer, unit, ev->steps - begun.steps, 0) ||
+        before + count > outer->lang->limits.list_length ||
+        ev->arena->reserved > memory->limit - memory->reserved ||
+        !array_reserve(&outer->stack, count)) {
+        return false;
+    }
+    if (count) {
+        memcpy(outer->stack.items + outer->stack.count, ev->stack.items,
+               count * sizeof *ev->stack.items);
+    }
+    outer->stack.count += count;
+    arena_adopt(outer->arena, ev->arena);
+    outer->steps += ev->steps - begun.steps;
+    outer->serial = ev->serial > outer->serial ? ev->serial : outer->serial;
+    return true;
+}
+
+static uint32_t join_values(struct Asides *all)
+{
+    const Count begun = {all->outer->steps, all->outer->objects};
+    uint32_t joined = 0;
+    while (joined < all->count && place_values(all, &all->units[joined], begun)) {
+        ++joined;
+    }
+    for (uint32_t u = 0; u < all->count; ++u) {
+        Unit *unit = &all->units[u];
+        if (unit->done) {
+            arena_free(unit->ev.arena);
+            array_free(&unit->ev.stack);
+        }
+    }
+    return joined;
+}
+
+static uint32_t run_units(Eval *ev, AsideWork *work, void *context, uint32_t count,
+                          const ListMaker *list)
 {
     struct Asides *all = make_units(ev, count);
     if (!all) {
@@ -392,12 +448,80 @@ uint32_t aside_run(Eval *ev, AsideWork *work, void *context, uint32_t count)
     all->work = work;
     all->context = context;
     all->count = count;
+    all->list = list;
     parallel_for(count, ev->lang->threads, run_unit, all, NULL);
-    const uint32_t joined = join_units(all);
+    const uint32_t joined = list ? join_values(all) : join_units(all);
     for (uint32_t u = 0; u < count; ++u) {
         mem_free(all->units[u].ev.consed_transforms);
         mem_free(all->units[u].ev.first_transforms);
     }
     ev->asides_refused += joined < count;
     return joined;
+}
+
+uint32_t aside_run(Eval *ev, AsideWork *work, void *context, uint32_t count)
+{
+    return run_units(ev, work, context, count, NULL);
+}
+
+// --- Loops -----------------------------------------------------------------------------------
+
+static uint32_t units_end(const Loop *loop, uint32_t units)
+{
+    const uint64_t end = loop->next + (uint64_t)units * loop->unit;
+    return end < loop->sequence.count ? (uint32_t)end : loop->sequence.count;
+}
+
+static bool run_loop_unit(Eval *ev, void *context, uint32_t unit, unsigned worker)
+{
+    (void)worker;
+    Loop loop = *(const Loop *)context;
+    ListMaker list = {.base = ev->stack.count};
+    loop.list = loop.list ? &list : NULL;
+    const uint32_t end = units_end(&loop, unit + 1);
+    for (uint32_t i = units_end(&loop, unit); i < end && loop.iteration(ev, &loop, i); ++i) {
+    }
+    if (list.failed) {
+        must_be_alone(ev);
+    }
+    return true;
+}
+
+static uint32_t units_of_loop(const Eval *ev, const Loop *loop)
+{
+    return loop->list ? units_of_values(ev) : aside_units(ev);
+}
+
+// Further iterations, beside one another, while that goes well; `steps` is what each took so far.
+static void run_beside(Eval *ev, Loop *loop, double steps)
+{
+    const double unit = ev->lang->aside_always ? 2 : ASIDE_UNIT_STEPS / steps;
+    loop->unit = unit < 1 ? 1 : (uint32_t)unit;
+    bool good = true;
+    while (good && loop->next < loop->sequence.count && !ev->stop) {
+        const uint32_t left = (loop->sequence.count - loop->next - 1) / loop->unit + 1;
+        uint32_t units = units_of_loop(ev, loop);
+        units = left < units ? left : units;
+        const uint32_t done = units ? run_units(ev, run_loop_unit, loop, units, loop->list) : 0;
+        loop->next = units_end(loop, done);
+        good = units > 0 && done == units;
+    }
+}
+
+void loop_run(Eval *ev, Loop *loop)
+{
+    const uint64_t begun = ev->steps;
+    uint32_t look = 2; // the first iterations gave what they all need its value
+    while (loop->next < loop->sequence.count && loop->iteration(ev, loop, loop->next)) {
+        if (++loop->next != look) {
+            continue;
+        }
+        look *= 2;
+        const double steps = (double)(ev->steps - begun) / loop->next;
+        const double left = (double)(loop->sequence.count - loop->next) * steps;
+        if (left > (double)aside_least(ev) && units_of_loop(ev, loop)) {
+            look = 0; // once
+            run_beside(ev, loop, steps);
+        }
+    }
 }

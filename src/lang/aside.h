@@ -19,6 +19,24 @@
 // end, with all that it did whole.
 typedef bool AsideWork(Eval *ev, void *context, uint32_t unit, unsigned worker);
 
+// A loop's iterations: of items, or of a list's elements, which go on Eval.stack.
+typedef struct Loop {
+    Env *env;
+    AstId id;
+    Value sequence;
+    // Does iteration i; false where the run is to stop.
+    bool (*iteration)(Eval *ev, const struct Loop *loop, uint32_t i);
+    struct ListMaker *list; // NULL: of items
+    uint32_t next, unit;    // loop_run's: the first that wasn't done, and how many are a unit
+} Loop;
+typedef struct ListMaker {
+    size_t base; // of Eval.stack
+    bool failed;
+} ListMaker;
+
+// Runs the loop, beside one another what is worth it.
+void loop_run(Eval *ev, Loop *loop);
+
 // How many units are to be given at a time; 0 where everything has to go in order.
 uint32_t aside_units(const Eval *ev);
 // Evaluates units 0 to count - 1 and returns how many of them, from the first on, are in the scene

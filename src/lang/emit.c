@@ -475,13 +475,6 @@ void emit_expression(Eval *ev, Env *env, AstId id)
     emit_value(ev, env, id, eval(ev, env, id));
 }
 
-typedef struct Loop {
-    Env *env;
-    AstId id;
-    Value sequence;
-    uint32_t next, unit; // the first iteration that wasn't done, and those of a unit
-} Loop;
-
 // False where the run is to stop.
 static bool run_iteration(Eval *ev, const Loop *loop, uint32_t i)
 {
@@ -498,58 +491,12 @@ static bool run_iteration(Eval *ev, const Loop *loop, uint32_t i)
     return true;
 }
 
-static uint32_t units_end(const Loop *loop, uint32_t units)
-{
-    const uint64_t end = loop->next + (uint64_t)units * loop->unit;
-    return end < loop->sequence.count ? (uint32_t)end : loop->sequence.count;
-}
-
-static bool run_loop_unit(Eval *ev, void *context, uint32_t unit, unsigned worker)
-{
-    (void)worker;
-    const Loop *loop = context;
-    const uint32_t end = units_end(loop, unit + 1);
-    for (uint32_t i = units_end(loop, unit); i < end && run_iteration(ev, loop, i); ++i) {
-    }
-    return true;
-}
-
-// Further iterations, beside one another, while that goes well; `steps` is what each took so far.
-static void run_beside(Eval *ev, Loop *loop, double steps)
-{
-    const double unit = ev->lang->aside_always ? 2 : ASIDE_UNIT_STEPS / steps;
-    loop->unit = unit < 1 ? 1 : (uint32_t)unit;
-    bool good = true;
-    while (good && loop->next < loop->sequence.count && !ev->stop) {
-        const uint32_t left = (loop->sequence.count - loop->next - 1) / loop->unit + 1;
-        uint32_t units = aside_units(ev);
-        units = left < units ? left : units;
-        const uint32_t done = units ? aside_run(ev, run_loop_unit, loop, units) : 0;
-        loop->next = units_end(loop, done);
-        good = units > 0 && done == units;
-    }
-}
-
 static void run_for(Eval *ev, Env *env, AstId id)
 {
-    Loop loop = {.env = env, .id = id};
+    Loop loop = {.env = env, .id = id, .iteration = run_iteration};
     loop.sequence = eval_sequence(ev, env, env_words(env, env_node(env, id)->b)[2]);
-    if (is_error(loop.sequence)) {
-        return;
-    }
-    const uint64_t begun = ev->steps;
-    uint32_t look = 2; // the first iterations gave what they all need its value
-    while (loop.next < loop.sequence.count && run_iteration(ev, &loop, loop.next)) {
-        if (++loop.next != look) {
-            continue;
-        }
-        look *= 2;
-        const double steps = (double)(ev->steps - begun) / loop.next;
-        const double left = (double)(loop.sequence.count - loop.next) * steps;
-        if (left > (double)aside_least(ev) && aside_units(ev)) {
-            look = 0; // once
-            run_beside(ev, &loop, steps);
-        }
+    if (!is_error(loop.sequence)) {
+        loop_run(ev, &loop);
     }
 }
 

@@ -1,3 +1,4 @@
+#include "lang/aside.h"
 #include "lang/measure.h"
 #include "lang/numeric.h"
 
@@ -165,11 +166,6 @@ Value pop_list(Eval *ev, size_t base)
     return (Value){.type = VALUE_LIST, .count = (uint32_t)count, .items = items};
 }
 
-typedef struct ListMaker {
-    size_t base;
-    bool failed;
-} ListMaker;
-
 static void add_item(Eval *ev, Env *env, AstId id, ListMaker *list);
 
 TidyMark tidy_begin(Eval *ev)
@@ -189,20 +185,28 @@ void tidy_end(Eval *ev, TidyMark mark, Value v)
     }
 }
 
+static bool add_iteration(Eval *ev, const Loop *loop, uint32_t i)
+{
+    Env *env = loop->env;
+    const AstNode *node = env_node(env, loop->id);
+    if (!count_step(ev, env_span(env, loop->id))) {
+        loop->list->failed = true;
+        return false;
+    }
+    Env *frame = env_new(ev, env, env->module, node->aux);
+    frame->slots[0] = sequence_item(loop->sequence, i);
+    add_item(ev, frame, env_words(env, node->b)[3], loop->list);
+    return true;
+}
+
 static void add_loop(Eval *ev, Env *env, AstId id, ListMaker *list)
 {
-    const AstNode *node = env_node(env, id);
-    const uint32_t *words = env_words(env, node->b);
-    Value sequence = eval_sequence(ev, env, words[2]);
-    list->failed = list->failed || is_error(sequence);
-    for (uint32_t i = 0; !is_error(sequence) && i < sequence.count; ++i) {
-        if (!count_step(ev, env_span(env, id))) {
-            list->failed = true;
-            return;
-        }
-        Env *frame = env_new(ev, env, env->module, node->aux);
-        frame->slots[0] = sequence_item(sequence, i);
-        add_item(ev, frame, words[3], list);
+    Loop loop = {.env = env, .id = id, .iteration = add_iteration, .list = list};
+    loop.sequence = eval_sequence(ev, env, env_words(env, env_node(env, id)->b)[2]);
+    if (is_error(loop.sequence)) {
+        list->failed = true;
+    } else {
+        loop_run(ev, &loop);
     }
 }
 

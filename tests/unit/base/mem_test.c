@@ -65,6 +65,43 @@ static void an_arena_keeps_its_limit(void **state)
     assert_int_equal(arena.reserved, 0);
 }
 
+// What is adopted counts as newer than what was there: rewinding to a mark gives it back.
+static void an_arena_takes_over_what_another_holds(void **state)
+{
+    (void)state;
+    const uint64_t live = mem_live_count();
+    ArenaFamily family = {.limit = SIZE_MAX}, others = {.limit = SIZE_MAX};
+    Arena arena = {.family = &family}, other = {.family = &others}, empty = {0};
+    char *first = arena_copy_string(&arena, "first", 5);
+    const ArenaMark mark = arena_mark(&arena);
+    const size_t reserved = arena.reserved;
+    char *texts[3];
+    for (int i = 0; i < 3; ++i) {
+        texts[i] = arena_copy_string(&other, "other", 5);
+        arena_alloc(&other, 5000); // so that there are several blocks
+    }
+    arena_adopt(&arena, &empty);
+    assert_int_equal(arena.reserved, reserved);
+    const size_t adopted = other.reserved;
+    arena_adopt(&arena, &other);
+    assert_int_equal(arena.reserved, reserved + adopted);
+    assert_int_equal(family.reserved, reserved + adopted);
+    assert_int_equal(others.reserved, 0);
+    assert_int_equal(other.reserved, 0);
+    assert_string_equal(arena_copy_string(&other, "again", 5), "again");
+    assert_string_equal(arena_copy_string(&arena, "last", 4), "last");
+    assert_string_equal(first, "first");
+    assert_string_equal(texts[0], "other");
+    assert_string_equal(texts[2], "other");
+    arena_rewind(&arena, mark);
+    assert_int_equal(arena.reserved, reserved);
+    assert_int_equal(family.reserved, reserved);
+    assert_string_equal(first, "first");
+    arena_free(&arena);
+    arena_free(&other);
+    assert_int_equal(mem_live_count(), live);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -72,6 +109,7 @@ int main(void)
         cmocka_unit_test(failing_allocations_keep_their_block),
         cmocka_unit_test(an_arena_gives_an_address_for_nothing),
         cmocka_unit_test(an_arena_keeps_its_limit),
+        cmocka_unit_test(an_arena_takes_over_what_another_holds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
