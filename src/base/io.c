@@ -1,6 +1,7 @@
 #include "base/io.h"
 
 #include "base/mem.h"
+#include "base/thread.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -15,6 +16,8 @@
 enum {
     OWN_PAGES_FROM = 64 * 1024, // larger files get pages of their own
     FIRST_READ = 64 * 1024,     // of a pipe, whose size isn't known
+    PIECES_FROM = 4 << 20,      // larger files are read by threads
+    MOST_PIECES = 16,
 };
 
 const char *io_error_text(IoError error)
@@ -110,15 +113,64 @@ static bool read_up_to(int fd, char *bytes, size_t size, size_t *got)
     return true;
 }
 
+// A large file is read in pieces, by threads: what it costs is copying it.
+typedef struct Pieces {
+    int fd;
+    FileBytes *out;
+    size_t got[MOST_PIECES]; // bytes of each
+    atomic_bool failed;
+} Pieces;
+
+static size_t piece_begin(const FileBytes *file, size_t piece)
+{
+    return file->size / MOST_PIECES * piece;
+}
+
+static void read_piece(void *context, uint64_t piece, unsigned worker)
+{
+    (void)worker;
+    Pieces *pieces = context;
+    const size_t begin = piece_begin(pieces->out, piece);
+    const size_t end =
+        piece + 1 == MOST_PIECES ? pieces->out->size : piece_begin(pieces->out, piece + 1);
+    size_t *got = &pieces->got[piece];
+    while (begin + *got < end) {
+        const size_t at = begin + *got;
+        const ssize_t n = pread(pieces->fd, pieces->out->bytes + at, end - at, (off_t)at);
+        if (n == 0 || (n < 0 && errno != EINTR)) {
+            if (n < 0) {
+                atomic_store(&pieces->failed, true);
+            }
+            return;
+        }
+        *got += n > 0 ? (size_t)n : 0;
+    }
+}
+
+// As read_up_to for all of the file; *got ends with the first piece that isn't whole.
+static bool read_pieces(int fd, FileBytes *out, unsigned threads, size_t *got)
+{
+    Pieces pieces = {.fd = fd, .out = out};
+    parallel_for(MOST_PIECES, threads, read_piece, &pieces, NULL);
+    *got = 0;
+    for (size_t i = 0; i < MOST_PIECES && *got == piece_begin(out, i); ++i) {
+        *got += pieces.got[i];
+    }
+    return !atomic_load(&pieces.failed);
+}
+
 // A file that shrinks meanwhile gives fewer bytes; one that grows is cut at its first size.
-static IoError read_sized(int fd, uint64_t size, FileBytes *out)
+static IoError read_sized(int fd, uint64_t size, unsigned threads, FileBytes *out)
 {
     if (size >= PTRDIFF_MAX || !file_bytes_alloc(out, (size_t)size)) {
         *out = (FileBytes){0};
         return IO_NO_MEMORY;
     }
     size_t got, pages = out->size;
-    if (!read_up_to(fd, out->bytes, out->size, &got)) {
+    const bool read = threads > 1 && size >= PIECES_FROM
+                          ? read_pieces(fd, out, threads, &got)
+                          : read_up_to(fd, out->bytes, out->size, &got);
+    if (!read) {
         file_bytes_free(out);
         return IO_FAILED;
     }
@@ -186,7 +238,7 @@ IoError file_read(const char *path, uint64_t max_bytes, FileBytes *out)
         error = IO_NOT_REGULAR;
     } else if (S_ISREG(info.st_mode) && info.st_size > 0 && !standard_input) {
         error = (uint64_t)info.st_size > max_bytes ? IO_TOO_LARGE
-                                                   : read_sized(fd, (uint64_t)info.st_size, out);
+                                                   : read_sized(fd, (uint64_t)info.st_size, 1, out);
     } else {
         error = read_stream(fd, max_bytes, out);
     }
@@ -220,7 +272,7 @@ IoError sandbox_read(Sandbox *sandbox, const char *path, FileBytes *out)
     uint64_t size;
     IoError error = sandbox_open(sandbox, path, &fd, &size);
     if (error == IO_OK) {
-        error = read_sized(fd, size, out);
+        error = read_sized(fd, size, sandbox->threads, out);
         close(fd);
     }
     if (error == IO_OK) {

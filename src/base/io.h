@@ -46,7 +46,8 @@ typedef struct Sandbox {
     } roots[16];
     int root_count;
     uint64_t max_file_bytes;
-    bool allow_all; // for the scene's own tools; never set from a scene
+    unsigned threads; // that read a large file; 0 counts as 1
+    bool allow_all;   // for the scene's own tools; never set from a scene
     // Told the path of each file that is to be opened, whether or not it is there, before it is
     // opened; from the thread that opens it. NULL: nobody is.
     void (*on_open)(void *context, const char *path);

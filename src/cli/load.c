@@ -114,6 +114,7 @@ int loading_begin(Loading *loading, const Options *options)
     loading->lang.settings = options->settings;
     loading->lang.setting_count = options->setting_count;
     loading->lang.threads = options->threads ? options->threads : thread_processor_count();
+    loading->sandbox.threads = loading->lang.threads;
     loading->lang.print_to = options->quiet ? NULL : stderr;
     loading->lang.sink.limit = options->limits.diagnostics < UINT32_MAX
                                    ? (uint32_t)options->limits.diagnostics

@@ -180,7 +180,7 @@ static int check_type(const Picture *picture, const Options *options)
 int picture_begin(Picture *picture, Loading *loading)
 {
     const Options *options = loading->options;
-    *picture = (Picture){.bits = options->bits};
+    *picture = (Picture){.bits = options->bits, .threads = loading->lang.threads};
     FilmParams film = scene_film(&loading->scene);
     if (options->range_last >= 0 && !options->output) {
         return choose_layers(picture, options, &film.aovs);
@@ -420,7 +420,7 @@ static int make_layers(const Picture *picture, const Film *film, Arena *arena, I
     }
     FilmParams development = {.exposure = picture->exposure, .tone = picture->tone};
     film_develop(film, &development, channels, image_is_linear(picture->path, picture->bits),
-                 pixels);
+                 picture->threads, pixels);
     layers[0] = (ImageLayer){"", channels, rgba, pixels, NULL};
     for (int aov = 0; aov < AOV_COUNT; ++aov) {
         if (!picture->aovs[aov] || aov == AOV_ALPHA) {

@@ -18,6 +18,7 @@ typedef struct Picture {
     // Set before the first picture_write, by picture_describe or picture_recall.
     double exposure;
     int32_t tone;
+    unsigned threads;                // that develop it
     double confidence, wanted_error; // of the error that is told; wanted: 0 where none is
     CheckpointTexts facts; // where it comes from: attributes of the file, and notes of a checkpoint
 } Picture;

@@ -1,6 +1,7 @@
 #include "render/film.h"
 
 #include "base/mem.h"
+#include "base/thread.h"
 
 bool film_init(Film *film, uint32_t width, uint32_t height, uint32_t first_sample, uint32_t samples,
                bool aovs)
@@ -184,23 +185,49 @@ static float film_alpha(const Film *film, size_t p)
     return samples ? (float)((double)film->aovs[p].hits / samples) : 0;
 }
 
-void film_develop(const Film *film, const FilmParams *params, int channels, bool linear, float *out)
+enum { ROWS_AT_ONCE = 16 }; // that a thread develops
+
+typedef struct Development {
+    const Film *film;
+    ToneCurve tone;
+    float gain;
+    int channels;
+    bool linear;
+    float *out;
+} Development;
+
+static void develop_rows(void *context, uint64_t item, unsigned worker)
 {
-    const float gain = linear ? 1 : (float)exp2(params->exposure);
-    const size_t count = film_pixel_count(film);
-    for (size_t p = 0; p < count; ++p) {
-        Rgb color = film_mean(&film->pixels[p]);
-        if (!linear) {
-            color = tone_apply((ToneCurve)params->tone, rgb_scale(color, gain));
+    (void)worker;
+    const Development *d = context;
+    const size_t first = (size_t)item * ROWS_AT_ONCE, end = first + ROWS_AT_ONCE;
+    const size_t last = end < d->film->height ? end : d->film->height;
+    for (size_t p = first * d->film->width; p < last * d->film->width; ++p) {
+        Rgb color = film_mean(&d->film->pixels[p]);
+        if (!d->linear) {
+            color = tone_apply(d->tone, rgb_scale(color, d->gain));
         }
-        float *to = out + p * (size_t)channels;
+        float *to = d->out + p * (size_t)d->channels;
         to[0] = color.r;
         to[1] = color.g;
         to[2] = color.b;
-        if (channels == 4) {
-            to[3] = film_alpha(film, p);
+        if (d->channels == 4) {
+            to[3] = film_alpha(d->film, p);
         }
     }
+}
+
+void film_develop(const Film *film, const FilmParams *params, int channels, bool linear,
+                  unsigned threads, float *out)
+{
+    Development development = {.film = film,
+                               .tone = (ToneCurve)params->tone,
+                               .gain = linear ? 1 : (float)exp2(params->exposure),
+                               .channels = channels,
+                               .linear = linear,
+                               .out = out};
+    const uint64_t bands = ((uint64_t)film->height + ROWS_AT_ONCE - 1) / ROWS_AT_ONCE;
+    parallel_for(bands, threads, develop_rows, &development, NULL);
 }
 
 static const char *const suffixes_rgb[] = {"R", "G", "B"};

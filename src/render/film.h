@@ -102,9 +102,9 @@ double film_variance(const FilmPixel *pixel);
 // of samples that hit something as alpha (1 without AOVs). linear: the means as they are, scene
 // linear Rec.709, without exposure and tone curve, as EXR wants them. Otherwise the exposure and
 // the tone curve of `params` are applied, and the result lies in [0, 1], encoded for a display
-// (TONE_LINEAR: not encoded).
+// (TONE_LINEAR: not encoded). Rows are shared by `threads` (0 counts as 1).
 void film_develop(const Film *film, const FilmParams *params, int channels, bool linear,
-                  float *out);
+                  unsigned threads, float *out);
 
 // Colour (linear Rec.709, after exposure) to a display's: see tone.c for the curves.
 Rgb tone_apply(ToneCurve tone, Rgb color);

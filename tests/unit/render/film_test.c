@@ -278,12 +278,12 @@ static void development_applies_exposure_and_tone(void **state)
     film_aov_add(&film.aovs[0], &hit);
     const FilmParams params = {.exposure = 1, .tone = TONE_SRGB};
     float out[8];
-    film_develop(&film, &params, 4, true, out);
+    film_develop(&film, &params, 4, true, 1, out);
     assert_near((double)out[0], 0.1, 1e-7);
     assert_near((double)out[2], 3, 1e-7);
     assert_near((double)out[3], 0.25, 0);
     assert_near((double)out[7], 0, 0); // no samples: black and empty
-    film_develop(&film, &params, 3, false, out);
+    film_develop(&film, &params, 3, false, 1, out);
     assert_near((double)out[0], encoded(TONE_SRGB, 0.2f), 1e-6);
     assert_near((double)out[1], encoded(TONE_SRGB, 0.4f), 1e-6);
     assert_near((double)out[2], 1, 0);

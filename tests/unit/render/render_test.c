@@ -256,7 +256,7 @@ static void a_stop_before_the_start_leaves_black(void **state)
     assert_true(stats.stopped);
     assert_int_equal(stats.samples, 0);
     float out[3 * W * H];
-    film_develop(renderer_film(r), renderer_film_params(r), 3, false, out);
+    film_develop(renderer_film(r), renderer_film_params(r), 3, false, 2, out);
     assert_true(out[0] == 0 && out[3 * W * H - 1] == 0);
     renderer_free(r);
     fixture_free(&f);
