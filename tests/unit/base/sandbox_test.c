@@ -326,7 +326,8 @@ static void test_large_and_empty_files(void **state)
 {
     Place *place = *state;
     FileBytes bytes;
-    static const size_t sizes[] = {0, 1, 4095, 4096, 65535, 65536, 65537, 3 << 20};
+    static const size_t sizes[] = {0, 1, 4095, 4096, 65535, 65536, 65537, 3 << 20, (5 << 20) + 7};
+    place->sandbox.threads = 3; // which share the last one
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
         char *path = path_of(place, "scenes/sized");
         FILE *file = fopen(path, "w");
