@@ -495,7 +495,8 @@ static uint32_t units_of_loop(const Eval *ev, const Loop *loop)
 // Further iterations, beside one another, while that goes well; `steps` is what each took so far.
 static void run_beside(Eval *ev, Loop *loop, double steps)
 {
-    const double unit = ev->lang->aside_always ? 2 : ASIDE_UNIT_STEPS / steps;
+    const double share = (double)(loop->sequence.count - loop->next) / units_of_loop(ev, loop);
+    const double unit = ev->lang->aside_always ? 2 : fmin(ASIDE_UNIT_STEPS / steps, share);
     loop->unit = unit < 1 ? 1 : (uint32_t)unit;
     bool good = true;
     while (good && loop->next < loop->sequence.count && !ev->stop) {

@@ -44,6 +44,6 @@ uint32_t aside_units(const Eval *ev);
 uint32_t aside_run(Eval *ev, AsideWork *work, void *context, uint32_t count);
 // So much work, in steps, is worth the threads' start; and is a unit.
 uint64_t aside_least(const Eval *ev);
-enum { ASIDE_UNIT_STEPS = 1 << 14 };
+enum { ASIDE_UNIT_STEPS = 1 << 16 };
 
 #endif
