@@ -66,6 +66,8 @@ bool accel_occluded(const Accel *accel, const Ray *ray);
 void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out);
 // The same without what textures and tangents need, which costs less.
 void accel_surface_plain(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out);
+// Surface.material of a hit.
+uint32_t accel_material(const Accel *accel, const Hit *hit);
 
 // A ray that leaves a surface towards a unit direction, to the side of `direction`. tmin = 0, tmax
 // = INFINITY. Its origin is the surface's point moved along the geometric normal by the offset

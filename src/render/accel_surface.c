@@ -166,24 +166,37 @@ FlatHit accel_flat_hit(const AccelKind *kind, uint32_t shape, uint32_t primitive
     return flat_beside(kind, flat->transform, corners, count, &flat->ray, hit);
 }
 
+// The ray in a shape's own space: the ray itself, or one made in *room.
+static inline const Ray *own_ray(const Scene *scene, const SceneNode *node,
+                                 const SceneInstance *instance, const Ray *ray, Ray *room)
+{
+    if (instance) {
+        *room = ray_map(&scene->inverses.items[instance->transform], ray);
+        ray = room;
+    }
+    if (node->transform != 0) {
+        *room = ray_map(&scene->inverses.items[node->transform], ray);
+        ray = room;
+    }
+    return ray;
+}
+
 bool accel_unbounded_hit(const Accel *accel, const Ray *ray, Hit *hit)
 {
     const Scene *scene = accel->scene;
-    Ray world = *ray;
+    Ray nearer, room; // copied to only where they have to be
     bool found = false;
     for (uint32_t i = 0; i < accel->unbounded_count; ++i) {
-        AccelUnbounded it = accel->unbounded[i];
+        const AccelUnbounded it = accel->unbounded[i];
         const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, it.shape);
-        Ray local = world;
-        if (it.instance != NONE_ID) {
-            local = ray_map(&scene->inverses.items[scene->instances.items[it.instance].transform],
-                            &world);
-        }
-        local = accel_shape_ray(scene, node, &local);
+        const SceneInstance *instance =
+            it.instance == NONE_ID ? NULL : &scene->instances.items[it.instance];
+        const Ray *local = own_ray(scene, node, instance, found ? &nearer : ray, &room);
         ShapeHit at;
-        if (shape_class(scene, node)->intersect(scene_params(scene, node), &local, &at)) {
+        if (shape_class(scene, node)->intersect(scene_params(scene, node), local, &at)) {
             *hit = (Hit){.t = at.t, .shape = it.shape, .instance = it.instance, .local = at};
-            world.tmax = at.t;
+            nearer = *ray;
+            nearer.tmax = at.t;
             found = true;
         }
     }
@@ -215,17 +228,18 @@ void accel_map_out(const Accel *accel, uint32_t transform, ShapePoint *point)
 
 // The point of a shape in its own space. That of a flat one depends on the hit alone.
 static void hit_point(const Scene *scene, const SceneNode *node, const SceneInstance *instance,
-                      const Ray *ray, const ShapeHit *hit, ShapePoint *out)
+                      const Ray *ray, const ShapeHit *hit, bool whole, ShapePoint *out)
 {
     const ShapeClass *class = shape_class(scene, node);
-    Ray local = *ray;
+    Ray room;
     if (class->holding != HOLD_TRIANGLES && class->holding != HOLD_FLAT) {
-        if (instance) {
-            local = ray_map(&scene->inverses.items[instance->transform], &local);
-        }
-        local = accel_shape_ray(scene, node, &local);
+        ray = own_ray(scene, node, instance, ray, &room);
     }
-    class->point(scene, scene_params(scene, node), &local, hit, out);
+    if (class->place && !whole) {
+        class->place(scene_params(scene, node), ray, hit, out);
+    } else {
+        class->point(scene, scene_params(scene, node), ray, hit, out);
+    }
 }
 
 uint32_t accel_node_material(const SceneNode *node, const SceneInstance *instance)
@@ -285,7 +299,7 @@ static void fill_surface(const Accel *accel, const Ray *ray, const Hit *hit, boo
     const ShapeHit local = flat ? accel_primitive_hit(flat, &hit->local) : hit->local;
     ShapePoint point;
     if (!flat || whole || flat->smooth) {
-        hit_point(scene, node, instance, ray, &local, &point);
+        hit_point(scene, node, instance, ray, &local, whole, &point);
         out->object_p = point.p;
         if (node->transform) {
             accel_map_out(accel, node->transform, &point);
@@ -341,6 +355,18 @@ void accel_surface_plain(const Accel *accel, const Ray *ray, const Hit *hit, Sur
         }
     }
     fill_surface(accel, ray, hit, false, out);
+}
+
+uint32_t accel_material(const Accel *accel, const Hit *hit)
+{
+    const Scene *scene = accel->scene;
+    if (hit->instance == NONE_ID) {
+        return hit->flat - 1 < accel->flat_count
+                   ? accel->flats[hit->flat - 1].material
+                   : accel_node_material(scene_node(scene, CATEGORY_SHAPE, hit->shape), NULL);
+    }
+    return accel_node_material(scene_node(scene, CATEGORY_SHAPE, hit->shape),
+                               &scene->instances.items[hit->instance]);
 }
 
 AccelIssues accel_issues(const Accel *accel)

@@ -372,12 +372,13 @@ bool accel_intersect(const Accel *accel, const Ray *ray, Hit *hit)
     if (accel->unbounded_count == 0) {
         return group_intersect(&accel->groups[0], ray, NONE_ID, hit);
     }
-    Ray nearer = *ray;
-    const bool found = accel_unbounded_hit(accel, ray, hit);
-    if (found) {
-        nearer.tmax = hit->t;
+    if (!accel_unbounded_hit(accel, ray, hit)) {
+        return group_intersect(&accel->groups[0], ray, NONE_ID, hit);
     }
-    return group_intersect(&accel->groups[0], &nearer, NONE_ID, hit) || found;
+    Ray nearer = *ray;
+    nearer.tmax = hit->t;
+    group_intersect(&accel->groups[0], &nearer, NONE_ID, hit);
+    return true;
 }
 
 bool accel_occluded(const Accel *accel, const Ray *ray)

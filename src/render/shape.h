@@ -87,6 +87,8 @@ typedef struct ShapeClass {
     // The geometry at a hit; that of kinds held as triangles doesn't ask for the ray.
     void (*point)(const Scene *scene, const void *params, const Ray *ray, const ShapeHit *hit,
                   ShapePoint *out);
+    // The same without tangents, texture coordinates and color, where that costs less. May be NULL.
+    void (*place)(const void *params, const Ray *ray, const ShapeHit *hit, ShapePoint *out);
     // HOLD_FLAT: 3 or 4 corners, in order; returns how many.
     int (*corners)(const void *params, Vec3 out[4]);
     // Surface area under `to_world` (its linear part; non-uniform scaling counts), for emitters.

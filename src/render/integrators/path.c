@@ -388,14 +388,11 @@ static inline Arrival arrive(Path *path, Ray *ray, Hit *hit, Surface *surface, d
         add_escaped(path, ray->direction);
         return ARRIVED_NOWHERE;
     }
-    accel_surface_plain(world->accel, ray, hit, surface);
+    *material = world_material(world, accel_material(world->accel, hit));
+    ((*material)->whole ? accel_surface : accel_surface_plain)(world->accel, ray, hit, surface);
     if (surface_reach(world, &path->media, surface, hit->t, &path->throughput, outside)) {
         *ray = surface_spawn(surface, ray->direction);
         return ARRIVED_HIDDEN;
-    }
-    *material = world_material(world, surface->material);
-    if ((*material)->whole) {
-        accel_surface(world->accel, ray, hit, surface);
     }
     if (((*material)->lobes & LOBE_EMIT || surface->lamp) && !found_apart(path)) {
         add_emitted(path, ray, hit, surface);

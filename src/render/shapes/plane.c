@@ -41,22 +41,37 @@ static Frame plane_frame(const Plane *plane)
                               fabs(plane->normal.x) < 0.9 ? vec3(1, 0, 0) : vec3(0, 0, -1));
 }
 
+// From the plane's point.
+static Vec3 plane_way(const Plane *plane, const Ray *ray, const ShapeHit *hit)
+{
+    const Vec3 from = add_scaled(sub(ray->origin, plane->point), ray->direction, hit->t);
+    return add_scaled(from, plane->normal, -dot(from, plane->normal));
+}
+
+static ShapePoint plane_plain_point(const Plane *plane, Vec3 from)
+{
+    return (ShapePoint){.p = add(plane->point, from),
+                        .geometric = plane->normal,
+                        .shading = plane->normal,
+                        .error = rounding_error(max_abs(plane->point) + length(from))};
+}
+
+static void plane_place(const void *params, const Ray *ray, const ShapeHit *hit, ShapePoint *out)
+{
+    *out = plane_plain_point(params, plane_way(params, ray, hit));
+}
+
 static void plane_point(const Scene *scene, const void *params, const Ray *ray, const ShapeHit *hit,
                         ShapePoint *out)
 {
     (void)scene;
-    const Plane *plane = params;
-    Vec3 from = add_scaled(sub(ray->origin, plane->point), ray->direction, hit->t);
-    from = add_scaled(from, plane->normal, -dot(from, plane->normal));
-    Frame frame = plane_frame(plane);
-    *out = (ShapePoint){.p = add(plane->point, from),
-                        .geometric = plane->normal,
-                        .shading = plane->normal,
-                        .tangent = frame.s,
-                        .bitangent = frame.t,
-                        .uv = {dot(from, frame.s), dot(from, frame.t)},
-                        .color = {1, 1, 1},
-                        .error = rounding_error(max_abs(plane->point) + length(from))};
+    const Vec3 from = plane_way(params, ray, hit);
+    const Frame frame = plane_frame(params);
+    *out = plane_plain_point(params, from);
+    out->tangent = frame.s;
+    out->bitangent = frame.t;
+    out->uv = (Vec2){dot(from, frame.s), dot(from, frame.t)};
+    out->color = rgb_gray(1);
 }
 
 const ShapeClass plane_shape = {
@@ -82,4 +97,5 @@ const ShapeClass plane_shape = {
     .closed = shape_is_open,
     .intersect = plane_intersect,
     .point = plane_point,
+    .place = plane_place,
 };

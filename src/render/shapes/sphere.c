@@ -73,13 +73,26 @@ static void sphere_point_at(const Sphere *s, Vec3 n, ShapePoint *out)
     };
 }
 
+static Vec3 sphere_normal(const Sphere *s, const Ray *ray, const ShapeHit *hit)
+{
+    return normalize(add_scaled(sub(ray->origin, s->center), ray->direction, hit->t));
+}
+
+static void sphere_place(const void *params, const Ray *ray, const ShapeHit *hit, ShapePoint *out)
+{
+    const Sphere *s = params;
+    const Vec3 n = sphere_normal(s, ray, hit);
+    *out = (ShapePoint){.p = add_scaled(s->center, n, s->radius),
+                        .geometric = n,
+                        .shading = n,
+                        .error = rounding_error(max_abs(s->center) + s->radius)};
+}
+
 static void sphere_point(const Scene *scene, const void *params, const Ray *ray,
                          const ShapeHit *hit, ShapePoint *out)
 {
     (void)scene;
-    const Sphere *s = params;
-    Vec3 from_center = add_scaled(sub(ray->origin, s->center), ray->direction, hit->t);
-    sphere_point_at(s, normalize(from_center), out);
+    sphere_point_at(params, sphere_normal(params, ray, hit), out);
 }
 
 // What sampling needs of a transform.
@@ -284,6 +297,7 @@ const ShapeClass sphere_shape = {
     .closed = shape_is_closed,
     .intersect = sphere_intersect,
     .point = sphere_point,
+    .place = sphere_place,
     .area = sphere_area,
     .sample_area = sphere_sample_area,
     .sample_solid_angle = sphere_sample_solid_angle,
