@@ -11,7 +11,7 @@ double fresnel_dielectric(double cos_i, double eta, double *cos_t)
 {
     double ct = snell(cos_i, eta);
     if (cos_t) {
-        *cos_t = fmax(ct, 0);
+        *cos_t = greater(ct, 0);
     }
     if (ct < 0) {
         return 1;
@@ -25,7 +25,7 @@ double fresnel_dielectric(double cos_i, double eta, double *cos_t)
 
 double fresnel_schlick(double f0, double cos_i)
 {
-    double m = fmin(fmax(1 - cos_i, 0), 1), m2 = m * m;
+    double m = lesser(greater(1 - cos_i, 0), 1), m2 = m * m;
     return f0 + (1 - f0) * m2 * m2 * m;
 }
 
@@ -39,7 +39,7 @@ double fresnel_dielectric_schlick(double cos_i, double eta, double *cos_t)
 {
     double ct = snell(cos_i, eta);
     if (cos_t) {
-        *cos_t = fmax(ct, 0);
+        *cos_t = greater(ct, 0);
     }
     if (ct < 0) {
         return 1;
@@ -54,7 +54,7 @@ double fresnel_conductor(double cos_i, double eta, double k)
     double eta2 = eta * eta, k2 = k * k;
     double t0 = eta2 - k2 - s2;
     double a2b2 = sqrt(t0 * t0 + 4 * eta2 * k2); // a² + b²
-    double a = sqrt(fmax(0.5 * (a2b2 + t0), 0));
+    double a = sqrt(greater(0.5 * (a2b2 + t0), 0));
     double t1 = a2b2 + c2, t2 = 2 * a * cos_i;
     double rs = (t1 - t2) / (t1 + t2);
     double t3 = c2 * a2b2 + s2 * s2, t4 = t2 * s2;

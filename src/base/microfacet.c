@@ -33,12 +33,12 @@ Vec3 ggx_sample_visible(Ggx ggx, Vec3 wo, double u, double v)
     // … the mirrored directions fill a spherical cap uniformly.
     double phi = 2 * PI * u;
     double z = (1 - v) * (1 + w.z) - w.z;
-    double r = sqrt(fmax(0, 1 - z * z));
+    double r = sqrt(greater(0, 1 - z * z));
     Vec3 h = add(vec3(r * cos(phi), r * sin(phi), z), w);
-    return normalize(vec3(h.x * ggx.alpha_x, h.y * ggx.alpha_y, fmax(h.z, 0)));
+    return normalize(vec3(h.x * ggx.alpha_x, h.y * ggx.alpha_y, greater(h.z, 0)));
 }
 
 double ggx_visible_pdf(Ggx ggx, Vec3 wo, Vec3 m)
 {
-    return ggx_g1(ggx, wo) * fmax(0, dot(wo, m)) * ggx_d(ggx, m) / fabs(wo.z);
+    return ggx_g1(ggx, wo) * greater(0, dot(wo, m)) * ggx_d(ggx, m) / fabs(wo.z);
 }

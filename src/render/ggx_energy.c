@@ -39,7 +39,7 @@ static double spline(const int *values, int count, int place, double f)
 // The cell that x in [0, 1] lies in, and where in it.
 static int cell(double x, int count, double *f)
 {
-    double place = fmin(fmax(x, 0), 1) * (count - 1);
+    double place = lesser(greater(x, 0), 1) * (count - 1);
     int i = (int)place;
     i = i > count - 2 ? count - 2 : i;
     *f = place - i;
@@ -50,12 +50,12 @@ static int cell(double x, int count, double *f)
 static double column_of(double alpha, double mu)
 {
     double y = mu + alpha > 0 ? mu * (1 + alpha) / (mu + alpha) : 0;
-    return asin(sqrt(fmin(fmax(y, 0), 1))) * (2 / PI);
+    return asin(sqrt(lesser(greater(y, 0), 1))) * (2 / PI);
 }
 static double mu_of(double alpha, double t)
 {
     double x = sin(0.5 * PI * t);
-    return fmin(1, alpha * x * x / (1 + alpha - x * x));
+    return lesser(1, alpha * x * x / (1 + alpha - x * x));
 }
 
 double ggx_energy(double alpha, double mu)
@@ -73,14 +73,14 @@ double ggx_energy(double alpha, double mu)
     } else if (row == ROWS - 2) {
         p[3] = 2 * p[2] - p[1];
     }
-    return fmin(fmax(catmull_rom(p, fy) * 1e-6, 0), 1);
+    return lesser(greater(catmull_rom(p, fy) * 1e-6, 0), 1);
 }
 
 double ggx_energy_mean(double alpha)
 {
     double f;
     int row = cell(alpha, ROWS, &f);
-    return fmin(spline(MEAN, ROWS, row, f) * 1e-6, 1);
+    return lesser(spline(MEAN, ROWS, row, f) * 1e-6, 1);
 }
 
 // --- Pairs ------------------------------------------------------------------------------------
@@ -147,5 +147,5 @@ double ggx_pair_energy(const GgxPairEnergy *energy, Vec3 w)
         }
         p[k] = catmull_rom(q, fx);
     }
-    return fmin(fmax(catmull_rom(p, fy), 0), 1);
+    return lesser(greater(catmull_rom(p, fy), 0), 1);
 }

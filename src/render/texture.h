@@ -70,11 +70,14 @@ static inline Vec2 pair_tex(const TextureSet *set, const PairTex *value, const S
                         : (double)luminance(texture_color(set, value->texture, surface));
     return (Vec2){value->value.x * factor, value->value.y * factor};
 }
-// A color held to be no less than 0.
+// A color held to be no less than 0; what isn't a number becomes 0.
+static inline Rgb positive_color(Rgb c)
+{
+    return rgb(c.r > 0 ? c.r : 0, c.g > 0 ? c.g : 0, c.b > 0 ? c.b : 0);
+}
 static inline Rgb positive_tex(const TextureSet *set, const ColorTex *value, const Surface *surface)
 {
-    const Rgb c = color_tex(set, value, surface);
-    return rgb(fmaxf(c.r, 0), fmaxf(c.g, 0), fmaxf(c.b, 0));
+    return positive_color(color_tex(set, value, surface));
 }
 // x held to [0, 1]; what isn't a number becomes 0.
 static inline float unit_clamp(float x)

@@ -101,11 +101,6 @@ static Vec2 direction_to_uv(Vec3 d)
     return (Vec2){u < 1 ? u : 0, 1 - acos(smaller(larger(d.y, -1), 1)) / PI};
 }
 
-static Rgb clamp_positive(Rgb c)
-{
-    return rgb(fmaxf(c.r, 0), fmaxf(c.g, 0), fmaxf(c.b, 0));
-}
-
 static Rgb radiance_at(const World *world, const EnvironmentData *data, Vec2 uv)
 {
     Rgb value = rgb_gray(1);
@@ -116,7 +111,7 @@ static Rgb radiance_at(const World *world, const EnvironmentData *data, Vec2 uv)
         Surface surface = {.uv = uv, .color = rgb_gray(1)};
         value = texture_color(world->textures, data->texture, &surface);
     }
-    return clamp_positive(rgb_mul(value, data->strength));
+    return positive_color(rgb_mul(value, data->strength));
 }
 
 static double cell_solid_angle(const EnvironmentData *data, uint32_t y)
@@ -156,7 +151,7 @@ static double cell_row(const EnvironmentData *data, int y, int x0, int per_cell)
         double weight = i < 0 || i == per_cell
                             ? 0.125
                             : 1 - (i == 0 ? 0.125 : 0) - (i == per_cell - 1 ? 0.125 : 0);
-        sum += weight * (double)luminance(clamp_positive(rgb_mul(row[x], data->strength)));
+        sum += weight * (double)luminance(positive_color(rgb_mul(row[x], data->strength)));
     }
     return sum / per_cell;
 }

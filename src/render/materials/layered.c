@@ -104,7 +104,7 @@ static Rgb coat_reflectance(const Layers *layers, Vec3 w)
 
 static double clamped(double x, double low, double high)
 {
-    return fmin(fmax(x, low), high);
+    return lesser(greater(x, low), high);
 }
 
 static void make_proxy(const Layers *layers, Vec3 wo, Proxy *out)
@@ -119,7 +119,7 @@ static void make_proxy(const Layers *layers, Vec3 wo, Proxy *out)
         out->albedo += (double)luminance(out->deltas[i].weight);
     }
     ShadingPoint below = layers_base(layers, wo);
-    double top = fmin((double)luminance(coat_reflectance(layers, wo)), 1);
+    double top = lesser((double)luminance(coat_reflectance(layers, wo)), 1);
     double bottom = (1 - top) * (double)luminance(material_albedo(&below, layers->base));
     if (!((coat | base) & LOBE_SMOOTH)) {
         out->delta = 1;
@@ -131,7 +131,7 @@ static void make_proxy(const Layers *layers, Vec3 wo, Proxy *out)
     if (coat & LOBE_SMOOTH) {
         out->coat = clamped(top + bottom > 0 ? top / (top + bottom) : 1, 0.1, 0.9);
         // Over a mirror all light has the spread of the coat's lobe.
-        out->coat = base & LOBE_SMOOTH ? out->coat : fmax(out->coat, 0.7);
+        out->coat = base & LOBE_SMOOTH ? out->coat : greater(out->coat, 0.7);
     }
     out->base = base & LOBE_SMOOTH ? 0.5 : 0;
 }

@@ -26,25 +26,6 @@ void layers_at(const ShadingPoint *point, uint32_t coat, uint32_t base, Rgb dept
     out->depth = depth;
 }
 
-static ShadingPoint seen_from(const Layers *layers, Vec3 w, MaterialLayer layer)
-{
-    ShadingPoint point = layers->point;
-    point.wo = w;
-    point.wo_side = w.z;
-    point.layer = layer;
-    return point;
-}
-
-ShadingPoint layers_coat(const Layers *layers, Vec3 w, MaterialLayer part)
-{
-    return seen_from(layers, w, part);
-}
-
-ShadingPoint layers_base(const Layers *layers, Vec3 w)
-{
-    return seen_from(layers, w, LAYER_NONE);
-}
-
 static float absorbed(float depth, double cosine)
 {
     return depth > 0 ? (float)exp(-(double)depth / cosine) : 1;

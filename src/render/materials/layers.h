@@ -29,8 +29,18 @@ static inline Vec3 layers_turn(const ShadingPoint *point, Vec3 w)
 }
 
 // The coat, seen from w (w.z > 0: from outside), and the base, seen from w within the coat.
-ShadingPoint layers_coat(const Layers *layers, Vec3 w, MaterialLayer part);
-ShadingPoint layers_base(const Layers *layers, Vec3 w);
+static inline ShadingPoint layers_coat(const Layers *layers, Vec3 w, MaterialLayer part)
+{
+    ShadingPoint point = layers->point;
+    point.wo = w;
+    point.wo_side = w.z;
+    point.layer = part;
+    return point;
+}
+static inline ShadingPoint layers_base(const Layers *layers, Vec3 w)
+{
+    return layers_coat(layers, w, LAYER_NONE);
+}
 
 // The BRDF for a viewer and a light (both z > 0) without the coat's own reflection and without
 // paths that meet delta lobes alone.
