@@ -80,11 +80,11 @@ static Rgb tint(const ShadingPoint *point, const FresnelParams *params)
     return reflectance_tex(point->world->textures, &params->color, point->surface);
 }
 
-static Interface at(const ShadingPoint *point, const FresnelParams *params)
+static void at(const ShadingPoint *point, const FresnelParams *params, Interface *out)
 {
-    double outside = point->outside > 0 ? point->outside : params->outside;
-    return interface_at(point, &params->roughness, params->ior, outside,
-                        params->approximation == SCHLICK, NULL, tint(point, params));
+    const double outside = point->outside > 0 ? point->outside : params->outside;
+    interface_at(point, &params->roughness, params->ior, outside, params->approximation == SCHLICK,
+                 NULL, tint(point, params), out);
 }
 
 static uint32_t lobes(const World *world, const void *params)
@@ -94,22 +94,25 @@ static uint32_t lobes(const World *world, const void *params)
     return LOBE_REFLECT | LOBE_TRANSMIT | roughness_lobes(&p->roughness);
 }
 
-static BsdfEval eval(const ShadingPoint *point, const void *params, Vec3 wi)
+static void eval(const ShadingPoint *point, const void *params, Vec3 wi, BsdfEval *out)
 {
-    Interface face = at(point, params);
-    return interface_eval(&face, wi);
+    Interface face;
+    at(point, params, &face);
+    interface_eval(&face, wi, out);
 }
 
 static bool sample(const ShadingPoint *point, const void *params, float lobe, float u, float v,
                    BsdfSample *out)
 {
-    Interface face = at(point, params);
+    Interface face;
+    at(point, params, &face);
     return interface_sample(&face, lobe, u, v, out);
 }
 
 static int deltas(const ShadingPoint *point, const void *params, BsdfSample *out, int room)
 {
-    Interface face = at(point, params);
+    Interface face;
+    at(point, params, &face);
     return interface_deltas(&face, out, room);
 }
 
@@ -125,8 +128,6 @@ static bool medium(const World *world, const void *params, Medium *out)
     *out = (Medium){p->ior, p->outside, p->absorption, p->priority};
     return true;
 }
-
-MATERIAL_EVAL(eval)
 
 const MaterialClass fresnel_material = {
     .node =
@@ -169,7 +170,7 @@ const MaterialClass fresnel_material = {
                     "  }\n"
                     "}"},
     .lobes = lobes,
-    .eval = eval_into,
+    .eval = eval,
     .sample = sample,
     .deltas = deltas,
     .albedo = albedo,

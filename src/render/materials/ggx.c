@@ -108,7 +108,7 @@ static Rgb schlick_mean(Rgb f0)
 static void prepare_pair(GgxParams *ggx)
 {
     const PairTex *alpha = &ggx->roughness.alpha;
-    Ggx facets = {fmax(alpha->value.x, GGX_ALPHA_MIN), fmax(alpha->value.y, GGX_ALPHA_MIN)};
+    Ggx facets = {greater(alpha->value.x, GGX_ALPHA_MIN), greater(alpha->value.y, GGX_ALPHA_MIN)};
     ggx->has_pair = ggx->energy == GGX_PRESERVE && alpha->texture == NONE_ID &&
                     facets.alpha_x != facets.alpha_y;
     if (ggx->has_pair) {
@@ -182,7 +182,8 @@ typedef struct Gloss {
     Vec3 wo;
     double side; // of the viewer: ±1
     Rgb f0;
-    GgxFacet facet; // unless f0 says all
+    const GgxFacet *facet; // unless f0 says all
+    GgxFacet own;          // where it varies
     // energy: "preserve"
     double missing_mean; // 1 - mean albedo of mirror facets
     double missing_wo;   // 1 - their albedo towards wo
@@ -212,7 +213,7 @@ static void prepare_energy(Gloss *gloss)
 {
     const GgxParams *ggx = gloss->params;
     double e = ggx->has_pair ? ggx->pair.mean : ggx_energy_mean(gloss->facets.ggx.alpha_x);
-    Rgb f = ggx->given == GGX_F0 ? schlick_mean(gloss->f0) : gloss->facet.mean;
+    Rgb f = ggx->given == GGX_F0 ? schlick_mean(gloss->f0) : gloss->facet->mean;
     gloss->missing_mean = 1 - e;
     gloss->missing_wo = 1 - facets_albedo(gloss, gloss->wo);
     gloss->between = rgb(between_facets(f.r, e), between_facets(f.g, e), between_facets(f.b, e));
@@ -223,14 +224,11 @@ static void prepare_energy(Gloss *gloss)
 
 static double ior_at(const ShadingPoint *point, const GgxParams *ggx)
 {
-    return fmax(1, (double)number_tex(point->world->textures, &ggx->ior, point->surface));
+    return greater(1, (double)number_tex(point->world->textures, &ggx->ior, point->surface));
 }
 
-static GgxFacet facet_at(const ShadingPoint *point, const GgxParams *ggx)
+static GgxFacet varying_facet(const ShadingPoint *point, const GgxParams *ggx)
 {
-    if (!ggx->varies) {
-        return ggx->facet;
-    }
     const TextureSet *textures = point->world->textures;
     const double ior = ggx->given == GGX_IOR ? ior_at(point, ggx) : 1;
     const Rgb eta = positive_tex(textures, &ggx->eta, point->surface);
@@ -238,22 +236,26 @@ static GgxFacet facet_at(const ShadingPoint *point, const GgxParams *ggx)
     return facet_of(ggx, ior, eta, k, ggx->energy == GGX_PRESERVE);
 }
 
-static Gloss gloss_at(const ShadingPoint *point, const GgxParams *params)
+static void gloss_at(const ShadingPoint *point, const GgxParams *params, Gloss *out)
 {
-    Gloss gloss = {.params = params, .facets = roughness_at(point, &params->roughness)};
-    gloss.side = copysign(1, point->wo.z);
-    gloss.wo =
-        facets_from_frame(&gloss.facets, vec3(point->wo.x, point->wo.y, gloss.side * point->wo.z));
+    out->params = params;
+    roughness_at(point, &params->roughness, &out->facets);
+    out->side = copysign(1, point->wo.z);
+    out->wo =
+        facets_from_frame(&out->facets, vec3(point->wo.x, point->wo.y, out->side * point->wo.z));
     if (params->given == GGX_F0) {
-        gloss.f0 = reflectance_tex(point->world->textures, &params->f0, point->surface);
+        out->f0 = reflectance_tex(point->world->textures, &params->f0, point->surface);
     } else {
-        gloss.facet = facet_at(point, params);
-        gloss.f0 = gloss.facet.normal;
+        if (params->varies) {
+            out->own = varying_facet(point, params);
+        }
+        out->facet = params->varies ? &out->own : &params->facet;
+        out->f0 = out->facet->normal;
     }
-    if (params->energy == GGX_PRESERVE && !gloss.facets.smooth) {
-        prepare_energy(&gloss);
+    out->diffuse_chance = 0;
+    if (params->energy == GGX_PRESERVE && !out->facets.smooth) {
+        prepare_energy(out);
     }
-    return gloss;
 }
 
 static Vec3 to_front(const Gloss *gloss, Vec3 wi)
@@ -270,9 +272,9 @@ static Rgb fresnel_at(const Gloss *gloss, double cos_i)
                    (float)fresnel_schlick((double)gloss->f0.b, cos_i));
     }
     if (p->given == GGX_IOR) {
-        return rgb_gray((float)fresnel_dielectric(cos_i, gloss->facet.ior, NULL));
+        return rgb_gray((float)fresnel_dielectric(cos_i, gloss->facet->ior, NULL));
     }
-    return fresnel_metal(cos_i, gloss->facet.eta, gloss->facet.k);
+    return fresnel_metal(cos_i, gloss->facet->eta, gloss->facet->k);
 }
 
 static uint32_t lobes(const World *world, const void *params)
@@ -289,80 +291,94 @@ static bool is_interface(const ShadingPoint *point, const GgxParams *ggx)
     return point->layer != LAYER_NONE && ggx->given != GGX_METAL;
 }
 
-static Interface as_interface(const ShadingPoint *point, const GgxParams *ggx)
+static void as_interface(const ShadingPoint *point, const GgxParams *ggx, Interface *out)
 {
     double outside = point->outside > 0 ? point->outside : 1;
     if (ggx->given == GGX_IOR) {
-        return interface_at(point, &ggx->roughness, ior_at(point, ggx), outside,
-                            ggx->fresnel == GGX_SCHLICK, NULL, rgb_gray(1));
+        interface_at(point, &ggx->roughness, ior_at(point, ggx), outside,
+                     ggx->fresnel == GGX_SCHLICK, NULL, rgb_gray(1), out);
+        return;
     }
     Rgb f0 = reflectance_tex(point->world->textures, &ggx->f0, point->surface);
-    double root = fmin(sqrt((double)luminance(f0)), 0.8);
-    return interface_at(point, &ggx->roughness, outside * (1 + root) / (1 - root), outside, true,
-                        &f0, rgb_gray(1));
+    double root = lesser(sqrt((double)luminance(f0)), 0.8);
+    interface_at(point, &ggx->roughness, outside * (1 + root) / (1 - root), outside, true, &f0,
+                 rgb_gray(1), out);
 }
 
-// Expression (10), times the cosine; wi.z > 0.
-static BsdfEval eval_front(const Gloss *gloss, Vec3 wi)
+// Expression (10), times the cosine; wi.z > 0, and h the normal half-way between the two.
+static void eval_front(const Gloss *gloss, Vec3 wi, Vec3 h, BsdfEval *out)
 {
     Ggx ggx = gloss->facets.ggx;
-    Vec3 wo = gloss->wo, h = normalize(add(wi, wo));
+    Vec3 wo = gloss->wo;
     double d = ggx_d(ggx, h), cos_d = dot(wo, h);
     double f = d * ggx_g2(ggx, wi, wo) / (4 * wo.z);
     double pdf = d * ggx_g1(ggx, wo) / (4 * wo.z);
-    BsdfEval out = {rgb_scale(fresnel_at(gloss, cos_d), (float)f), (float)pdf};
+    out->value = rgb_scale(fresnel_at(gloss, cos_d), (float)f);
+    out->pdf = (float)pdf;
     if (gloss->diffuse_chance > 0) {
         double missing_wi = 1 - facets_albedo(gloss, wi);
         double cosine = wi.z / PI;
         double spread = cosine * gloss->missing_wo * missing_wi / gloss->missing_mean;
-        out.value = rgb_add(out.value, rgb_scale(gloss->between, (float)spread));
-        out.pdf = (float)(gloss->diffuse_chance * cosine + (1 - gloss->diffuse_chance) * pdf);
+        out->value = rgb_add(out->value, rgb_scale(gloss->between, (float)spread));
+        out->pdf = (float)(gloss->diffuse_chance * cosine + (1 - gloss->diffuse_chance) * pdf);
     }
-    return out;
 }
 
-static BsdfEval eval(const ShadingPoint *point, const void *params, Vec3 wi)
+static void eval(const ShadingPoint *point, const void *params, Vec3 wi, BsdfEval *out)
 {
     if (is_interface(point, params)) {
-        Interface face = as_interface(point, params);
-        return interface_eval(&face, wi);
+        Interface face;
+        as_interface(point, params, &face);
+        interface_eval(&face, wi, out);
+        return;
     }
+    out->value = rgb_gray(0);
+    out->pdf = 0;
     if (wi.z * point->wo.z <= 0) {
-        return (BsdfEval){{0, 0, 0}, 0};
+        return;
     }
-    Gloss gloss = gloss_at(point, params);
-    return gloss.facets.smooth ? (BsdfEval){{0, 0, 0}, 0}
-                               : eval_front(&gloss, to_front(&gloss, wi));
+    Gloss gloss;
+    gloss_at(point, params, &gloss);
+    if (!gloss.facets.smooth) {
+        wi = to_front(&gloss, wi);
+        eval_front(&gloss, wi, normalize(add(wi, gloss.wo)), out);
+    }
 }
 
-static Vec3 choose_front(const Gloss *gloss, double lobe, float u, float v)
+// A direction, and the normal half-way to it.
+static Vec3 choose_front(const Gloss *gloss, double lobe, float u, float v, Vec3 *h)
 {
     if (lobe < gloss->diffuse_chance) {
-        return sample_cosine_hemisphere(u, v);
+        const Vec3 wi = sample_cosine_hemisphere(u, v);
+        *h = normalize(add(wi, gloss->wo));
+        return wi;
     }
-    Vec3 m = ggx_sample_visible(gloss->facets.ggx, gloss->wo, (double)u, (double)v);
-    return normalize(reflect(gloss->wo, m));
+    *h = ggx_sample_visible(gloss->facets.ggx, gloss->wo, (double)u, (double)v);
+    return normalize(reflect(gloss->wo, *h));
 }
 
 static bool sample(const ShadingPoint *point, const void *params, float lobe, float u, float v,
                    BsdfSample *out)
 {
     if (is_interface(point, params)) {
-        Interface face = as_interface(point, params);
+        Interface face;
+        as_interface(point, params, &face);
         return interface_sample(&face, lobe, u, v, out);
     }
-    Gloss gloss = gloss_at(point, params);
+    Gloss gloss;
+    gloss_at(point, params, &gloss);
     Vec3 wo = point->wo;
     if (gloss.facets.smooth) {
         *out = (BsdfSample){vec3(-wo.x, -wo.y, wo.z), fresnel_at(&gloss, fabs(wo.z)), 1, 1,
                             LOBE_REFLECT | LOBE_DELTA};
         return true;
     }
-    Vec3 wi = choose_front(&gloss, (double)lobe, u, v);
+    Vec3 h, wi = choose_front(&gloss, (double)lobe, u, v, &h);
     if (!(wi.z > 0)) {
         return false;
     }
-    BsdfEval e = eval_front(&gloss, wi);
+    BsdfEval e;
+    eval_front(&gloss, wi, h, &e);
     if (!(e.pdf > 0) || !isfinite(e.pdf)) {
         return false;
     }
@@ -375,10 +391,13 @@ static bool sample(const ShadingPoint *point, const void *params, float lobe, fl
 static int deltas(const ShadingPoint *point, const void *params, BsdfSample *out, int room)
 {
     if (is_interface(point, params)) {
-        Interface face = as_interface(point, params);
+        Interface face;
+        as_interface(point, params, &face);
         return interface_deltas(&face, out, room);
     }
-    if (!gloss_at(point, params).facets.smooth) {
+    Facets facets;
+    roughness_at(point, &((const GgxParams *)params)->roughness, &facets);
+    if (!facets.smooth) {
         return 0;
     }
     return room > 0 && sample(point, params, 0, 0, 0, out) ? 1 : -1;
@@ -386,11 +405,10 @@ static int deltas(const ShadingPoint *point, const void *params, BsdfSample *out
 
 static Rgb albedo(const ShadingPoint *point, const void *params)
 {
-    Gloss gloss = gloss_at(point, params);
+    Gloss gloss;
+    gloss_at(point, params, &gloss);
     return fresnel_at(&gloss, fabs(point->wo.z));
 }
-
-MATERIAL_EVAL(eval)
 
 const MaterialClass ggx_material = {
     .node =
@@ -430,7 +448,7 @@ const MaterialClass ggx_material = {
                     "}",
          .finish = finish},
     .lobes = lobes,
-    .eval = eval_into,
+    .eval = eval,
     .sample = sample,
     .deltas = deltas,
     .albedo = albedo,

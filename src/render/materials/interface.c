@@ -12,24 +12,23 @@ static Vec3 turned_back(const Interface *face, Vec3 w)
     return vec3(w.x, w.y, face->side * w.z);
 }
 
-Interface interface_at(const ShadingPoint *point, const Roughness *roughness, double ior,
-                       double outside, bool schlick, const Rgb *f0, Rgb tint)
+void interface_at(const ShadingPoint *point, const Roughness *roughness, double ior, double outside,
+                  bool schlick, const Rgb *f0, Rgb tint, Interface *out)
 {
-    Interface face = {.facets = roughness_at(point, roughness), .schlick = schlick, .tint = tint};
-    face.side = copysign(1, point->wo.z);
-    face.wo = turned(&face, point->wo);
-    face.eta = point->wo_side > 0 ? ior / outside : outside / ior;
-    face.only = point->layer == LAYER_REFLECT    ? LOBE_REFLECT
+    roughness_at(point, roughness, &out->facets);
+    out->side = copysign(1, point->wo.z);
+    out->wo = turned(out, point->wo);
+    out->eta = point->wo_side > 0 ? ior / outside : outside / ior;
+    out->schlick = schlick;
+    out->colored = f0 != NULL;
+    out->f0 = f0 ? *f0 : rgb_gray(0);
+    out->tint = tint;
+    out->only = point->layer == LAYER_REFLECT    ? LOBE_REFLECT
                 : point->layer == LAYER_TRANSMIT ? LOBE_TRANSMIT
                                                  : 0;
-    if (f0) {
-        face.colored = true;
-        face.f0 = *f0;
+    if (fabs(out->eta - 1) < 1e-6) {
+        out->facets.smooth = true; // facets between equal media do nothing
     }
-    if (fabs(face.eta - 1) < 1e-6) {
-        face.facets.smooth = true; // facets between equal media do nothing
-    }
-    return face;
 }
 
 // The reflectance for red, green and blue. In double, since what passes is 1 minus it.
@@ -69,49 +68,55 @@ static double reflect_chance(const Interface *face, Vec3 f)
     if (face->only) {
         return face->only == LOBE_REFLECT ? 1 : 0;
     }
-    return face->colored ? fmin((double)luminance(scaled(f, 1)), 1) : f.x;
+    return face->colored ? lesser((double)luminance(scaled(f, 1)), 1) : f.x;
 }
 
-// Reflection by facets, as in ggx.
-static BsdfEval eval_reflection(const Interface *face, Vec3 wi)
+// Reflection by facets, as in ggx; `m` is the normal of those that do it, f their reflectance.
+static void facets_reflect(const Interface *face, Vec3 wi, Vec3 m, Vec3 f, BsdfEval *out)
 {
-    Ggx ggx = face->facets.ggx;
-    Vec3 m = normalize(add(wi, face->wo));
-    Vec3 f = reflectance(face, dot(face->wo, m), NULL);
-    double common = ggx_d(ggx, m) / (4 * face->wo.z);
-    return (BsdfEval){scaled(f, common * ggx_g2(ggx, wi, face->wo)),
-                      (float)(reflect_chance(face, f) * common * ggx_g1(ggx, face->wo))};
+    const Ggx ggx = face->facets.ggx;
+    const double common = ggx_d(ggx, m) / (4 * face->wo.z);
+    out->value = scaled(f, common * ggx_g2(ggx, wi, face->wo));
+    out->pdf = (float)(reflect_chance(face, f) * common * ggx_g1(ggx, face->wo));
 }
 
 // Walter et al. 2007, equation 21, with their separable G; the facet that refracts wi to wo has its
 // normal along wo + eta wi.
-static BsdfEval eval_transmission(const Interface *face, Vec3 wi)
+static void facets_refract(const Interface *face, Vec3 wi, Vec3 m, Vec3 f, BsdfEval *out)
 {
-    Ggx ggx = face->facets.ggx;
-    Vec3 wo = face->wo, m = add_scaled(wo, wi, face->eta);
-    double l = length(m);
-    if (!(l > 0)) {
-        return (BsdfEval){{0, 0, 0}, 0};
-    }
-    m = scale(m, copysign(1, m.z) / l);
-    double o = dot(wo, m), i = dot(wi, m);
-    if (!(o > 0 && i < 0)) {
-        return (BsdfEval){{0, 0, 0}, 0};
-    }
-    Vec3 f = reflectance(face, o, NULL);
-    double root = face->eta * i + o;
-    double common = ggx_d(ggx, m) * ggx_g1(ggx, wo) * o * -i / (wo.z * root * root);
-    return (BsdfEval){passed(face, f, common * ggx_g1(ggx, wi)),
-                      (float)((1 - reflect_chance(face, f)) * common * face->eta * face->eta)};
+    const Ggx ggx = face->facets.ggx;
+    const Vec3 wo = face->wo;
+    const double o = dot(wo, m), i = dot(wi, m), root = face->eta * i + o;
+    const double common = ggx_d(ggx, m) * ggx_g1(ggx, wo) * o * -i / (wo.z * root * root);
+    out->value = passed(face, f, common * ggx_g1(ggx, wi));
+    out->pdf = (float)((1 - reflect_chance(face, f)) * common * face->eta * face->eta);
 }
 
-BsdfEval interface_eval(const Interface *face, Vec3 wi)
+static void eval_transmission(const Interface *face, Vec3 wi, BsdfEval *out)
 {
+    Vec3 m = add_scaled(face->wo, wi, face->eta);
+    const double l = length(m);
+    m = scale(m, copysign(1, m.z) / l);
+    const double o = dot(face->wo, m), i = dot(wi, m);
+    if (l > 0 && o > 0 && i < 0) {
+        facets_refract(face, wi, m, reflectance(face, o, NULL), out);
+    }
+}
+
+void interface_eval(const Interface *face, Vec3 wi, BsdfEval *out)
+{
+    out->value = rgb_gray(0);
+    out->pdf = 0;
     if (face->facets.smooth) {
-        return (BsdfEval){{0, 0, 0}, 0};
+        return;
     }
     wi = turned(face, wi);
-    return wi.z > 0 ? eval_reflection(face, wi) : eval_transmission(face, wi);
+    if (wi.z > 0) {
+        const Vec3 m = normalize(add(wi, face->wo));
+        facets_reflect(face, wi, m, reflectance(face, dot(face->wo, m), NULL), out);
+    } else {
+        eval_transmission(face, wi, out);
+    }
 }
 
 // The two directions of a smooth interface, their weight the part of the light that takes them.
@@ -158,7 +163,8 @@ static bool sample_rough(const Interface *face, float lobe, float u, float v, Bs
     if (reflects ? !(wi.z > 0) : !(wi.z < 0)) {
         return false;
     }
-    BsdfEval e = reflects ? eval_reflection(face, wi) : eval_transmission(face, wi);
+    BsdfEval e;
+    (reflects ? facets_reflect : facets_refract)(face, wi, m, f, &e);
     if (!(e.pdf > 0) || !isfinite(e.pdf)) {
         return false;
     }

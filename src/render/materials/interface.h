@@ -17,10 +17,11 @@ typedef struct Interface {
     uint32_t only; // LOBE_REFLECT or LOBE_TRANSMIT: choose that part alone; 0: both
 } Interface;
 
-// `ior` behind the surface, `outside` before it. f0 NULL: by the indices.
-Interface interface_at(const ShadingPoint *point, const Roughness *roughness, double ior,
-                       double outside, bool schlick, const Rgb *f0, Rgb tint);
-BsdfEval interface_eval(const Interface *face, Vec3 wi);
+// `ior` behind the surface, `outside` before it. f0 NULL: by the indices. These are filled in
+// place, as MATERIAL_EVAL says.
+void interface_at(const ShadingPoint *point, const Roughness *roughness, double ior, double outside,
+                  bool schlick, const Rgb *f0, Rgb tint, Interface *out);
+void interface_eval(const Interface *face, Vec3 wi, BsdfEval *out);
 bool interface_sample(const Interface *face, float lobe, float u, float v, BsdfSample *out);
 int interface_deltas(const Interface *face, BsdfSample *out, int room);
 

@@ -18,7 +18,7 @@ typedef struct Facets {
     double cos_rotation, sin_rotation;
 } Facets;
 
-Facets roughness_at(const ShadingPoint *point, const Roughness *roughness);
+void roughness_at(const ShadingPoint *point, const Roughness *roughness, Facets *out);
 // LOBE_SMOOTH, LOBE_DELTA or both, as the surface is rough, polished, or a texture says where.
 uint32_t roughness_lobes(const Roughness *roughness);
 
