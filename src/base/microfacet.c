@@ -1,5 +1,7 @@
 #include "base/microfacet.h"
 
+#include "base/angle.h"
+
 double ggx_d(Ggx ggx, Vec3 m)
 {
     if (m.z < 0) {
@@ -31,10 +33,10 @@ Vec3 ggx_sample_visible(Ggx ggx, Vec3 wo, double u, double v)
     // In the space where the facets are those of a hemisphere …
     Vec3 w = normalize(vec3(wo.x * ggx.alpha_x, wo.y * ggx.alpha_y, wo.z));
     // … the mirrored directions fill a spherical cap uniformly.
-    double phi = 2 * PI * u;
+    const Vec2 around = circle_point(u);
     double z = (1 - v) * (1 + w.z) - w.z;
     double r = sqrt(greater(0, 1 - z * z));
-    Vec3 h = add(vec3(r * cos(phi), r * sin(phi), z), w);
+    Vec3 h = add(vec3(r * around.x, r * around.y, z), w);
     return normalize(vec3(h.x * ggx.alpha_x, h.y * ggx.alpha_y, greater(h.z, 0)));
 }
 

@@ -1,4 +1,5 @@
 // Light from infinitely far away, all around.
+#include "base/angle.h"
 #include "render/distribution.h"
 #include "render/texture_image.h"
 #include "render/world.h"
@@ -97,8 +98,10 @@ static bool rotation_part(const Affine *a, Affine *out)
 // Where a local direction lies on the picture, u to the right, v upwards, in [0, 1].
 static Vec2 direction_to_uv(Vec3 d)
 {
-    double u = 0.5 + atan2(d.x, -d.z) / (2 * PI);
-    return (Vec2){u < 1 ? u : 0, 1 - acos(smaller(larger(d.y, -1), 1)) / PI};
+    const double across = sqrt(larger(0, 1 - d.y * d.y));
+    const AnglePair angles = two_angles((AnglePair){-d.z, d.y}, (AnglePair){d.x, across});
+    const double u = 0.5 + angles[0] * (0.5 / PI);
+    return (Vec2){u < 1 ? larger(u, 0) : 0, 1 - angles[1] * (1 / PI)};
 }
 
 static Rgb radiance_at(const World *world, const EnvironmentData *data, Vec2 uv)
@@ -309,16 +312,20 @@ static bool sample(const World *world, const Light *light, Vec3 reference, doubl
     const double top = data->row_cosines[y], bottom = data->row_cosines[y + 1];
     const double cos_theta = top + (bottom - top) * in_y;
     const double sin_theta = sqrt(larger(0, 1 - cos_theta * cos_theta));
-    const double u = (x + in_x) / grid->width, phi = 2 * PI * (u - 0.5);
-    const Vec3 local = vec3(sin_theta * sin(phi), cos_theta, -sin_theta * cos(phi));
-    out->direction = transform_vector(&data->to_world, local);
+    const double u = (x + in_x) / grid->width;
+    const Vec2 around = circle_point(u); // from +z, by way of -x
+    const Vec3 local = vec3(-sin_theta * around.y, cos_theta, sin_theta * around.x);
+    out->direction = renormalize(transform_vector(&data->to_world, local));
     out->distance = INFINITY;
     out->point = vec3(0, 0, 0);
     out->error = 0;
     out->target = 0;
     out->facing = 0;
-    out->value =
-        data->even ? data->strength : radiance_at(world, data, (Vec2){u, 1 - acos(cos_theta) / PI});
+    out->value = data->strength;
+    if (!data->even) {
+        const AnglePair theta = two_angles((AnglePair){cos_theta, 1}, (AnglePair){sin_theta, 0});
+        out->value = radiance_at(world, data, (Vec2){u, 1 - theta[0] * (1 / PI)});
+    }
     out->pdf = cell_pdf(data, x, y);
     out->delta = false;
     return out->pdf > 0;
