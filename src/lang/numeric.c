@@ -77,7 +77,7 @@ static bool add_slot(Maker *m, NumericCode code, const AstNode *node, unsigned d
 
 static bool add_parameter(Maker *m, const AstNode *node, const Inlined *inside)
 {
-    if (node->aux > 0 || node->a >= inside->count) {
+    if (node->aux > 0 || node->a >= inside->count) { // excepted: nothing else has a name there
         return false;
     }
     const size_t at = inside->arguments[node->a], now = m->numeric->steps.count;
@@ -92,7 +92,8 @@ static bool add_name(Maker *m, const AstNode *node, const Inlined *inside, unsig
     case NAME_VARIABLE:
         return inside ? add_parameter(m, node, inside) : add_slot(m, NUMERIC_LOAD, node, dims);
     case NAME_LET:
-        return !inside && add_slot(m, NUMERIC_LOAD, node, dims);
+        return !inside && // excepted: a body that is an expression has no `let`
+               add_slot(m, NUMERIC_LOAD, node, dims);
     case NAME_GLOBAL:
         return node_of(m, node->b)->tag != AST_FN && add_slot(m, NUMERIC_GLOBAL, node, dims);
     case NAME_CONSTANT:
@@ -107,7 +108,7 @@ static bool add_name(Maker *m, const AstNode *node, const Inlined *inside, unsig
 static bool add_operator(Maker *m, const AstNode *node, const Inlined *inside)
 {
     const Operator op = (Operator)node->op;
-    if (op < OP_ADD || op == OP_NEGATE) {
+    if (op < OP_ADD) {
         return false;
     }
     if (!add_expression(m, node->a, inside, DIM_BIT(DIM_NONE))) {
@@ -269,13 +270,13 @@ static const Value *slot_of(const Env *env, uint32_t up, uint32_t slot)
     return &env->slots[slot];
 }
 
-// Where there is room for its steps and calls, and nobody wants an end.
+// Where there is room for its steps and calls. (Who wants an end meanwhile waits for a
+// microsecond.)
 static bool may_run(const Eval *ev, const NumericPart *part)
 {
     const Lang *lang = ev->lang;
     return !ev->stop && ev->steps + part->limited <= lang->limits.steps &&
            ev->call_depth + part->call_depth <= lang->limits.call_depth &&
-           !(lang->stop && atomic_load_explicit(lang->stop, memory_order_relaxed)) &&
            __atomic_load_n(&part->misses, __ATOMIC_RELAXED) < MOST_MISSES;
 }
 

@@ -101,6 +101,36 @@ static void a_stop_from_outside_ends_it(void **state)
     }
 }
 
+// More expressions of numbers alone than are numbered, and more work in making steps of them than
+// is done: the rest is evaluated as a tree.
+static void steps_of_numbers_are_bounded(void **state)
+{
+    (void)state;
+    enum { MANY = 70000, LONG = 120, ROWS = 300 };
+    for (int round = 0; round < 2; ++round) {
+        char *text;
+        size_t size;
+        FILE *out = open_memstream(&text, &size);
+        fputs("let a = 1\nlet xs = [", out);
+        for (int i = 0; i < (round ? ROWS : MANY); ++i) {
+            fprintf(out, "%d", i);
+            for (int k = 0; k < (round ? LONG : 1); ++k) {
+                fputs(" + a", out);
+            }
+            fputs(",\n", out);
+        }
+        fputs("]\nprint(xs[0], xs[len(xs) - 1])", out);
+        fclose(out);
+        Fixture f = load_with(text, (Setup){.limits = limits_default()});
+        assert_string_equal(f.diagnostics, "");
+        char want[64];
+        snprintf(want, sizeof want, "%d %d\n", round ? LONG : 1, round ? ROWS - 1 + LONG : MANY);
+        assert_string_equal(f.printed, want);
+        unload(&f);
+        free(text);
+    }
+}
+
 static void memory_is_limited(void **state)
 {
     (void)state;
@@ -452,6 +482,7 @@ int main(void)
         cmocka_unit_test(deep_calls_of_deep_expressions),
         cmocka_unit_test(the_stack_is_guarded),
         cmocka_unit_test(a_stop_from_outside_ends_it),
+        cmocka_unit_test(steps_of_numbers_are_bounded),
         cmocka_unit_test(memory_is_limited),
         cmocka_unit_test(iterations_give_memory_back),
         cmocka_unit_test(every_allocation_may_fail),
