@@ -89,11 +89,36 @@ bool affine_is_identity(const Affine *a)
     return true;
 }
 
-Box3 transform_box(const Affine *a, Box3 box)
+// Where infinities meet, corner by corner.
+static Box3 transform_corners(const Affine *a, Box3 box)
 {
     Box3 out = box3_empty();
     for (int corner = 0; corner < 8; ++corner) {
         out = box3_add(out, transform_point(a, box3_corner(box, corner)));
     }
     return out;
+}
+
+Box3 transform_box(const Affine *a, Box3 box)
+{
+    const double lower[3] = {box.min.x, box.min.y, box.min.z};
+    const double upper[3] = {box.max.x, box.max.y, box.max.z};
+    double least[3], most[3];
+    bool finite = true;
+    for (int row = 0; row < 3; ++row) {
+        double from[3], to[3];
+        for (int column = 0; column < 3; ++column) {
+            const double x = a->m[row][column] * lower[column];
+            const double y = a->m[row][column] * upper[column];
+            from[column] = lesser(x, y);
+            to[column] = greater(x, y);
+        }
+        // In the order of transform_point, and rounding keeps order: what the least and the
+        // greatest of the corners have.
+        least[row] = from[0] + from[1] + from[2] + a->m[row][3];
+        most[row] = to[0] + to[1] + to[2] + a->m[row][3];
+        finite = finite && isfinite(least[row]) && isfinite(most[row]);
+    }
+    return finite ? (Box3){vec3(least[0], least[1], least[2]), vec3(most[0], most[1], most[2])}
+                  : transform_corners(a, box);
 }

@@ -46,6 +46,27 @@ static void boxes_are_turned(void **state)
     assert_true(turned.min.z == 3 && turned.max.z == 6);
 }
 
+// To the bit what its corners have, whatever the map.
+static void boxes_are_as_wide_as_their_corners(void **state)
+{
+    (void)state;
+    const Box3 boxes[] = {
+        box, {{-3, 0, 1e-9}, {0.1, 7, 1e9}}, {{-INFINITY, 0, 0}, {1, 1, INFINITY}}};
+    for (int i = 0; i < 60; ++i) {
+        const Affine turn = affine_rotation(vec3(i % 7 - 3, 1, i % 5), 0.37 * i);
+        const Affine size = affine_scaling(vec3(1 - i % 3, 0.3 * i - 4, 2));
+        const Affine place = affine_translation(vec3(0.1 * i, -3, 1e3)),
+                     at = affine_multiply(&place, &turn);
+        const Affine map = i % 4 ? affine_multiply(&at, &size) : size;
+        const Box3 from = boxes[i % 3], found = transform_box(&map, from);
+        Box3 want = box3_empty();
+        for (int corner = 0; corner < 8; ++corner) {
+            want = box3_add(want, transform_point(&map, box3_corner(from, corner)));
+        }
+        assert_same_box(found, want);
+    }
+}
+
 static void maps_are_undone_by_their_inverse(void **state)
 {
     (void)state;
@@ -80,6 +101,7 @@ int main(void)
         cmocka_unit_test(an_empty_box_adds_nothing),
         cmocka_unit_test(unions_hold_both),
         cmocka_unit_test(boxes_are_turned),
+        cmocka_unit_test(boxes_are_as_wide_as_their_corners),
         cmocka_unit_test(maps_are_undone_by_their_inverse),
         cmocka_unit_test(looking_needs_a_direction_and_an_up),
     };
