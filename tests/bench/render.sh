@@ -35,6 +35,7 @@ instructions() { # function command…
     valgrind --tool=callgrind --toggle-collect="$of" --callgrind-out-file="$work/callgrind" "$@" 2>&1 >/dev/null |
         awk '/Collected/ { printf "%.1f", $4 * 1e-6 }'
 }
+# A PNG, for which no thread loads OpenImageIO meanwhile.
 printf 'millions of instructions for 32x32 pixels of 16 samples: scnrender %s, prototype %s\n' \
-    "$(instructions render_tile $build/bin/scnrender examples/cornell_box.scn --threads 1 --size 32x32 --samples 16 -o "$work/picture.ppm")" \
+    "$(instructions render_tile $build/bin/scnrender examples/cornell_box.scn --threads 1 --size 32x32 --samples 16 -o "$work/picture.png")" \
     "$(instructions main $build/tests/bench/prototype 32 16)"
