@@ -275,6 +275,31 @@ static bool read_any(const char *format, const void *bytes, size_t size, ImageLi
     return true;
 }
 
+// OpenImageIO 2.4 believes the length that a JPEG file's IPTC data say of themselves, and reads up
+// to 64 KB beyond their end. They bear on no pixel: such a file is read from a copy in which they
+// don't go by the name under which it looks for them.
+static bool read_jpeg(const char *format, const void *bytes, size_t size, ImageLimits limits,
+                      Image *out, char *message, size_t message_size)
+{
+    static const char iptc[] = "Photoshop 3.0";
+    const size_t length = sizeof iptc - 1;
+    if (!memmem(bytes, size, iptc, length)) {
+        return read_any(format, bytes, size, limits, out, message, message_size);
+    }
+    char *copy = mem_alloc(size, 1);
+    if (!copy) {
+        snprintf(message, message_size, "there is not enough memory for it");
+        return false;
+    }
+    memcpy(copy, bytes, size);
+    for (char *at = copy; (at = memmem(at, size - (size_t)(at - copy), iptc, length));) {
+        *at = '-';
+    }
+    const bool good = read_any(format, copy, size, limits, out, message, message_size);
+    mem_free(copy);
+    return good;
+}
+
 // What isn't there for the taking, OpenImageIO reads, or says why not.
 static bool read_exr(const char *format, const void *bytes, size_t size, ImageLimits limits,
                      Image *out, char *message, size_t message_size)
@@ -318,6 +343,9 @@ bool image_read(const char *name, const void *bytes, size_t size, ImageLimits li
     }
     if (is_png(format)) {
         return read_png(bytes, size, limits, out, message, message_size);
+    }
+    if (strcmp(format, "jpeg") == 0) {
+        return read_jpeg(format, bytes, size, limits, out, message, message_size);
     }
     return is_exr(format) ? read_exr(format, bytes, size, limits, out, message, message_size)
                           : read_any(format, bytes, size, limits, out, message, message_size);

@@ -485,6 +485,39 @@ static void test_damaged_files(void **state)
     free(pixels);
 }
 
+// IPTC data that say that they are longer than they are bear on no pixel, and nothing is read
+// beyond their end.
+static void test_jpeg_with_iptc(void **state)
+{
+    (void)state;
+    static const char segment[] = "\xff\xed\x00\x21Photoshop 3.0\0"
+                                  "8BIM\4\4\0\0\xff\xff\x1c\2\5\xff\xf0ab";
+    enum { SEGMENT = sizeof segment - 1 };
+    float *pixels = make_pixels(3);
+    ImageLayer layer;
+    ImageFile file = one_layer(&layer, pixels, 3, 0);
+    write_file("i.jpg", &file);
+    Image plain = read_file("i.jpg");
+    FileBytes bytes = bytes_of(path_of("i.jpg"));
+    const size_t size = bytes.size + SEGMENT;
+    char *longer = malloc(size);
+    memcpy(longer, bytes.bytes, 2);
+    memcpy(longer + 2, segment, SEGMENT);
+    memcpy(longer + 2 + SEGMENT, bytes.bytes + 2, bytes.size - 2);
+    Image image;
+    char message[512] = "";
+    assert_true(image_read("i.jpg", longer, size, LIMITS, &image, message, sizeof message));
+    assert_int_equal(image.width, plain.width);
+    assert_int_equal(image.channels, plain.channels);
+    assert_memory_equal(image.pixels, plain.pixels,
+                        sizeof(float) * (size_t)(plain.width * plain.height * plain.channels));
+    image_free(&image);
+    image_free(&plain);
+    free(longer);
+    file_bytes_free(&bytes);
+    free(pixels);
+}
+
 static void test_huge_sizes(void **state)
 {
     (void)state;
@@ -709,6 +742,7 @@ int main(void)
         cmocka_unit_test(test_values_out_of_range),
         cmocka_unit_test(test_exr_layers_and_attributes),
         cmocka_unit_test(test_same_bytes),
+        cmocka_unit_test(test_jpeg_with_iptc),
         cmocka_unit_test(test_damaged_files),
         cmocka_unit_test(test_huge_sizes),
         cmocka_unit_test(test_long_rows),
