@@ -491,7 +491,8 @@ static void test_jpeg_with_iptc(void **state)
 {
     (void)state;
     static const char segment[] = "\xff\xed\x00\x21Photoshop 3.0\0"
-                                  "8BIM\4\4\0\0\xff\xff\x1c\2\5\xff\xf0ab";
+                                  "8BIM\4\4\0\0\xff\xff\x1c\2\5\xff\xf0"
+                                  "ab";
     enum { SEGMENT = sizeof segment - 1 };
     float *pixels = make_pixels(3);
     ImageLayer layer;
