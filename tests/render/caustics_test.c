@@ -110,7 +110,7 @@ static const Case cases[] = {
     {"blackman_harris", BOTH, "film { width: 24, height: 16 }\n" CAMERA FLOOR LAMP BALL, 256, 0.04},
     {"tent", BOTH,
      "film { width: 24, height: 16, filter: \"tent\", filter_width: 5 }\n" CAMERA FLOOR LAMP BALL,
-     256, 0.045},
+     512, 0.045},
     {"camera behind the ball", BOTH,
      FILM "camera { position: (-0.9, 1.6, 0), look_at: (0.4, 0, 0), fov: 30deg }\n" FLOOR LAMP BALL,
      256, 0.15},
