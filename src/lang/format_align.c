@@ -105,16 +105,21 @@ static bool add_comment(Aligner *a, uint32_t i)
     return !atom_is_comment(&a->f->atoms.items[column->atom]) || array_push(&a->comments, comment);
 }
 
+// By the first of three numbers that differs; the last ones always do.
+static int compare_keys(const uint32_t a[3], const uint32_t b[3])
+{
+    int i = 0;
+    while (i < 2 && a[i] == b[i]) {
+        ++i;
+    }
+    return a[i] < b[i] ? -1 : 1;
+}
+
 static int compare_comments(const void *left, const void *right)
 {
     const EndComment *a = left, *b = right;
-    if (a->paragraph != b->paragraph) {
-        return a->paragraph < b->paragraph ? -1 : 1;
-    }
-    if (a->column != b->column) {
-        return a->column < b->column ? -1 : 1;
-    }
-    return a->index < b->index ? -1 : 1;
+    return compare_keys((uint32_t[]){a->paragraph, a->column, a->index},
+                        (uint32_t[]){b->paragraph, b->column, b->index});
 }
 
 // Each comment with the next one in its paragraph that stands in the same column.
@@ -160,13 +165,8 @@ static bool link_all(Aligner *a)
 static int compare_columns(const void *left, const void *right)
 {
     const Column *a = left, *b = right;
-    if (a->column != b->column) {
-        return a->column < b->column ? -1 : 1;
-    }
-    if (a->set != b->set) {
-        return a->set < b->set ? -1 : 1;
-    }
-    return a->atom < b->atom ? -1 : 1;
+    return compare_keys((uint32_t[]){a->column, a->set, a->atom},
+                        (uint32_t[]){b->column, b->set, b->atom});
 }
 
 // How far a line has been laid out.
