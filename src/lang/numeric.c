@@ -67,6 +67,11 @@ static bool add_step(Maker *m, NumericStep step)
 
 static bool add_expression(Maker *m, AstId id, const Inlined *inside, unsigned dims);
 
+static bool add_number(Maker *m, Value v)
+{
+    return add_step(m, (NumericStep){.code = NUMERIC_NUMBER, .dim = v.dim, .number = v.number});
+}
+
 static bool add_slot(Maker *m, NumericCode code, const AstNode *node, unsigned dims)
 {
     return add_step(m, (NumericStep){.code = (uint8_t)code,
@@ -97,9 +102,7 @@ static bool add_name(Maker *m, const AstNode *node, const Inlined *inside, unsig
     case NAME_GLOBAL:
         return node_of(m, node->b)->tag != AST_FN && add_slot(m, NUMERIC_GLOBAL, node, dims);
     case NAME_CONSTANT:
-        return add_step(m, (NumericStep){.code = NUMERIC_CONSTANT,
-                                         .dim = constant_value(m->ev, node->a).dim,
-                                         .slot = node->a});
+        return add_number(m, constant_value(m->ev, node->a));
     default:
         return false;
     }
@@ -198,8 +201,7 @@ static bool add_expression(Maker *m, AstId id, const Inlined *inside, unsigned d
     const AstNode *node = node_of(m, id);
     switch ((AstTag)node->tag) {
     case AST_NUMBER:
-        return add_step(
-            m, (NumericStep){.code = NUMERIC_NUMBER, .dim = node->op, .number = ast_number(node)});
+        return add_number(m, value_number(ast_number(node), node->op));
     case AST_NAME:
         return add_name(m, node, inside, dims);
     case AST_UNARY:
@@ -307,9 +309,6 @@ bool numeric_run(Eval *ev, Env *env, uint32_t number, Value *out)
             values[i] = v->number;
             continue;
         }
-        case NUMERIC_CONSTANT:
-            values[i] = constant_value(ev, step->slot).number;
-            continue;
         case NUMERIC_COPY:
             values[i] = values[i - step->a];
             continue;

@@ -13,11 +13,10 @@
 #include "lang/eval.h"
 
 typedef enum NumericCode {
-    NUMERIC_NUMBER,
-    NUMERIC_LOAD,     // a slot, `up` frames further out
-    NUMERIC_GLOBAL,   // a slot of the file's frame
-    NUMERIC_CONSTANT, // a built-in quantity
-    NUMERIC_COPY,     // a parameter of a function that was written out
+    NUMERIC_NUMBER, // as it stands there, or a built-in quantity
+    NUMERIC_LOAD,   // a slot, `up` frames further out
+    NUMERIC_GLOBAL, // a slot of the file's frame
+    NUMERIC_COPY,   // a parameter of a function that was written out
     NUMERIC_NEGATE,
     NUMERIC_ADD,
     NUMERIC_SUBTRACT,
@@ -36,7 +35,7 @@ typedef struct NumericStep {
     uint16_t a, b; // operands; slots: a: frames up, and DIM_BIT()s that are taken
     union {
         double number;
-        uint32_t slot; // or constant
+        uint32_t slot;
         double (*function)(double);
     };
 } NumericStep;
