@@ -159,8 +159,8 @@ static const uint32_t sobol_nibbles[8][16][4] = {
 // [k][n] for the value n of bits 4k..4k+3 of the *bit-reversed* Morton number, digits reversed as
 // above. Linear, like the sequence itself, and such that with dimensions 0 and 1 the first 4^b
 // samples (b <= 6) of each aligned square of 2^a × 2^a pixels (a <= 4) are one (0, 2a + 2b, 2)-net.
-// Found by trying rows of the matrices at random, two by two, until all ranks that this asks for are
-// full; dimensions 2 and 3 (by annealing) are as even as could be found alone and in pairs. The
+// Found by trying rows of the matrices at random, two by two, until all ranks that this asks for
+// are full; dimensions 2 and 3 (by annealing) are as even as could be found alone and in pairs. The
 // sampler's test holds them to it.
 static const uint32_t place_nibbles[2][16][4] = {
     {
