@@ -22,14 +22,17 @@
 #include <stdint.h>
 #include <string.h>
 
+// The most dimensions that are made at once.
+enum { SAMPLER_AHEAD = 32 };
+
 // Private but for sampler_*(); a few words, to live on the stack.
 typedef struct Sampler {
     uint32_t seed;           // of this pixel, or of its patch
     uint32_t place, places;  // in the patch: reversed Morton number, and its bits; 0, 0: no patch
     uint32_t reversed_index; // number of the sample, its bits reversed
     uint32_t dimension;      // next dimension
-    uint32_t pair;           // of sets of four that `values` holds + 1; 0: none
-    float values[8];
+    uint32_t first, held;    // `values` are of so many dimensions from this one on
+    float values[SAMPLER_AHEAD];
 } Sampler;
 
 // The seed of a pixel's or a patch's sequences: with the place in it all of the screen and of the
@@ -42,8 +45,13 @@ void sampler_start(Sampler *sampler, uint32_t seed, uint32_t pixel_x, uint32_t p
 // The same for pixels of a picture, of which neighbours complete one another.
 void sampler_start_neighbour(Sampler *sampler, uint32_t seed, uint32_t pixel_x, uint32_t pixel_y,
                              uint32_t sample);
-// Fills `values` with the sets of four dimensions number 2 pair and 2 pair + 1.
-void sampler_fill(Sampler *sampler, uint32_t pair);
+// Fills `values` with as many dimensions, eight or more, as cost little together, from `dimension`
+// on, rounded down to a whole set.
+void sampler_fill(Sampler *sampler, uint32_t dimension);
+// The functions that this processor has for it, which differ in how many; for tests. Returns how
+// many functions there are.
+typedef void SamplerFill(Sampler *sampler, uint32_t dimension);
+int sampler_fills(SamplerFill *out[2]);
 // Goes on at the given dimension, so that paths that took different turns agree on the dimensions
 // of later bounces. Rounded up to a whole set.
 void sampler_seek(Sampler *sampler, uint32_t dimension);
@@ -52,10 +60,10 @@ void sampler_seek(Sampler *sampler, uint32_t dimension);
 static inline float sampler_1d(Sampler *sampler)
 {
     const uint32_t dimension = sampler->dimension++;
-    if ((dimension >> 3) + 1 != sampler->pair) {
-        sampler_fill(sampler, dimension >> 3);
+    if (dimension - sampler->first >= sampler->held) {
+        sampler_fill(sampler, dimension);
     }
-    return sampler->values[dimension & 7];
+    return sampler->values[dimension - sampler->first];
 }
 
 // The bits beyond the first 24 of dimension `dimension`, for sampler_1d_fine.
@@ -77,13 +85,12 @@ static inline double sampler_1d_fine(Sampler *sampler)
 // The numbers of the eight dimensions from `dimension` on, a multiple of 4; goes on after them.
 static inline void sampler_eight(Sampler *sampler, uint32_t dimension, float out[8])
 {
-    for (int half = 0; half < 2; ++half, dimension += 4) {
-        if ((dimension >> 3) + 1 != sampler->pair) {
-            sampler_fill(sampler, dimension >> 3);
-        }
-        memcpy(out + 4 * half, sampler->values + (dimension & 4), 4 * sizeof *out);
+    const uint32_t at = dimension - sampler->first;
+    if (at >= sampler->held || sampler->held - at < 8) {
+        sampler_fill(sampler, dimension);
     }
-    sampler->dimension = dimension;
+    memcpy(out, sampler->values + (dimension - sampler->first), 8 * sizeof *out);
+    sampler->dimension = dimension + 8;
 }
 
 // Two numbers, from two dimensions of one set (a fourth dimension left over is passed over).

@@ -470,6 +470,32 @@ static void eight_at_once_are_the_same(void **state)
 }
 
 // sample_disc against the sines and cosines that its series stand for (Shirley and Chiu 1997).
+// What the processor has for many dimensions at once gives what the plain function does, bit by
+// bit.
+static void all_ways_to_fill_are_the_same(void **state)
+{
+    (void)state;
+    SamplerFill *fills[2];
+    const int count = sampler_fills(fills);
+    for (uint32_t i = 0; i < 2000; ++i) {
+        Sampler s;
+        const uint32_t x = hash_u32(i) % 5000, y = hash_u32(~i) % 5000;
+        const uint32_t sample = hash_u32(i + 7) >> (i % 32), dimension = hash_u32(i + 9) % 1000;
+        (i % 2 ? sampler_start : sampler_start_neighbour)(&s, i / 100, x, y, sample);
+        for (int k = 0; k < count; ++k) {
+            Sampler filled = s;
+            fills[k](&filled, dimension);
+            assert_int_equal(filled.first, dimension & ~3U);
+            assert_true(filled.held >= 8 && filled.held <= SAMPLER_AHEAD);
+            for (uint32_t d = 0; d < filled.held; d += 8) {
+                Sampler plain = s;
+                fills[0](&plain, filled.first + d);
+                assert_memory_equal(plain.values, filled.values + d, 8 * sizeof *plain.values);
+            }
+        }
+    }
+}
+
 static void disc_follows_its_formula(void **state)
 {
     (void)state;
@@ -518,6 +544,7 @@ int main(void)
         cmocka_unit_test(discrepancy_is_far_below_randoms),
         cmocka_unit_test(dimensions_are_handed_out_in_order),
         cmocka_unit_test(eight_at_once_are_the_same),
+        cmocka_unit_test(all_ways_to_fill_are_the_same),
         cmocka_unit_test(disc_follows_its_formula),
         cmocka_unit_test(sampling_is_pinned),
     };
