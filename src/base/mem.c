@@ -3,6 +3,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 static _Atomic uint64_t allocations;
 static _Atomic uint64_t fail_from = UINT64_MAX;
@@ -55,6 +56,20 @@ void mem_free(void *block)
         atomic_fetch_sub_explicit(&live, 1, memory_order_relaxed);
         free(block);
     }
+}
+
+void mem_populate(void *part, size_t bytes)
+{
+#ifdef MADV_POPULATE_WRITE
+    enum { PAGE = 4096 }; // or a multiple of it: then the last page comes when it is reached
+    const uintptr_t begin = (uintptr_t)part & ~(uintptr_t)(PAGE - 1);
+    const uintptr_t end = ((uintptr_t)part + bytes + PAGE - 1) & ~(uintptr_t)(PAGE - 1);
+    if (bytes > 0) {
+        madvise((void *)begin, end - begin, MADV_POPULATE_WRITE);
+    }
+#else
+    (void)part, (void)bytes;
+#endif
 }
 
 void mem_fail_after(uint64_t more)

@@ -14,6 +14,12 @@ void *mem_alloc_zeroed(size_t count, size_t size);
 void *mem_realloc(void *block, size_t count, size_t size);
 void mem_free(void *block);
 
+// Has the system provide the memory of a part of a block now, for a block that will be used whole.
+// It comes in half of the time then; and where pages of zeroed memory are read before they are
+// written, by several threads, the system would interrupt all of them for each page. The bytes stay
+// what they are; where the system can't, nothing happens.
+void mem_populate(void *part, size_t bytes);
+
 // For tests: after `allocations` more successful calls every further one fails, in any thread.
 // UINT64_MAX (the default) never fails.
 void mem_fail_after(uint64_t allocations);

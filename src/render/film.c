@@ -30,6 +30,39 @@ bool film_init(Film *film, uint32_t width, uint32_t height, uint32_t first_sampl
     return ok;
 }
 
+enum { POPULATED_AT_ONCE = 1 << 22 };         // bytes, of a thread
+static const size_t MOST_POPULATED = 1 << 29; // more is provided as it is reached
+
+typedef struct Population {
+    char *bytes;
+    size_t size;
+} Population;
+
+static void populate_part(void *context, uint64_t item, unsigned worker)
+{
+    (void)worker;
+    const Population *all = context;
+    const size_t begin = (size_t)item * POPULATED_AT_ONCE;
+    const size_t left = all->size - begin;
+    mem_populate(all->bytes + begin, left < POPULATED_AT_ONCE ? left : POPULATED_AT_ONCE);
+}
+
+static void populate(void *array, size_t size, unsigned threads)
+{
+    Population all = {array, size};
+    if (array && size <= MOST_POPULATED) {
+        const uint64_t parts = (size + POPULATED_AT_ONCE - 1) / POPULATED_AT_ONCE;
+        parallel_for(parts, threads, populate_part, &all, NULL);
+    }
+}
+
+void film_populate(const Film *film, unsigned threads)
+{
+    const size_t count = film_pixel_count(film);
+    populate(film->pixels, count * sizeof *film->pixels, threads);
+    populate(film->aovs, count * sizeof *film->aovs, threads);
+}
+
 void film_free(Film *film)
 {
     mem_free(film->pixels);

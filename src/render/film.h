@@ -65,6 +65,9 @@ typedef struct Film {
 bool film_init(Film *film, uint32_t width, uint32_t height, uint32_t first_sample, uint32_t samples,
                bool aovs);
 void film_free(Film *film);
+// Has the system provide the memory of a film that isn't huge, by `threads`: for one of which all
+// pixels will be filled soon.
+void film_populate(const Film *film, unsigned threads);
 static inline size_t film_pixel_count(const Film *film)
 {
     return (size_t)film->width * film->height;

@@ -112,6 +112,7 @@ static bool prepare(Renderer *r, DiagSink *sink)
         (r->rule && !adaptive_init(&r->adaptive, width, height, *r->rule, r->samples))) {
         return no_memory(r, sink);
     }
+    film_populate(&r->film, r->options.threads);
     r->world =
         r->options.world ? r->options.world : world_build(r->scene, r->options.threads, sink);
     if (!r->world) {
