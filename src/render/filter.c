@@ -65,6 +65,9 @@ void filter_init(PixelFilter *filter, FilterKind kind, double width)
 
 double filter_sample(const PixelFilter *filter, float u)
 {
+    if (!(filter->width > 0)) {
+        return 0;
+    }
     const double v = (double)u;
     int cell = filter->guide[(int)(v * FILTER_CELLS)];
     cell += filter->mass[cell + 1] <= v; // no branch: half of the numbers take either

@@ -29,8 +29,12 @@ typedef struct Site {
 static bool filter_ray(const Renderer *r, const Site *site, float u, float v, Sampler *sampler,
                        Ray *ray)
 {
-    float lens_u, lens_v;
-    sampler_2d(sampler, &lens_u, &lens_v);
+    float lens_u = 0.5F, lens_v = 0.5F;
+    if (r->camera.params.aperture > 0) {
+        sampler_2d(sampler, &lens_u, &lens_v);
+    } else {
+        sampler_skip_2d(sampler);
+    }
     const double film_x = (site->x + 0.5 + filter_sample(&r->filter, u)) * r->pixel_width;
     const double film_y = (site->y + 0.5 + filter_sample(&r->filter, v)) * r->pixel_height;
     return camera_ray(&r->camera, film_x, film_y, lens_u, lens_v, ray);
@@ -38,8 +42,12 @@ static bool filter_ray(const Renderer *r, const Site *site, float u, float v, Sa
 
 static bool sample_ray(const Renderer *r, const Site *site, Sampler *sampler, Ray *ray)
 {
-    float u, v;
-    sampler_2d(sampler, &u, &v);
+    float u = 0.5F, v = 0.5F;
+    if (r->filter.width > 0) {
+        sampler_2d(sampler, &u, &v);
+    } else {
+        sampler_skip_2d(sampler);
+    }
     return filter_ray(r, site, u, v, sampler, ray);
 }
 

@@ -103,4 +103,10 @@ static inline void sampler_2d(Sampler *sampler, float *u, float *v)
     *v = sampler_1d(sampler);
 }
 
+// Passes over the two that sampler_2d would give.
+static inline void sampler_skip_2d(Sampler *sampler)
+{
+    sampler->dimension += (sampler->dimension & 3) == 3 ? 3 : 2;
+}
+
 #endif

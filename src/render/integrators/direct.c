@@ -116,7 +116,7 @@ static void follow_pass(Tree *tree, const Branch *from, const Surface *surface)
 static bool meet(const World *world, Branch *branch, IntegratorStats *stats, SurfaceHit *at)
 {
     for (; branch->passes < MAX_PASSES; ++branch->passes) {
-        if (!surface_hit(world, &branch->ray, stats, at)) {
+        if (!surface_hit_lean(world, &branch->ray, stats, at)) {
             Rgb left = medium_transmittance(medium_current(&branch->media), INFINITY);
             branch->throughput = rgb_mul(branch->throughput, left);
             return false;
@@ -225,7 +225,8 @@ static void add_hit_lights(Tree *tree, Scattered *scattered)
     while (meet(world, branch, tree->stats, &at)) {
         uint32_t index = light_of_surface(world, &at.surface);
         if (index != NONE_ID) {
-            add_found(tree, scattered, index, surface_emitted(world, &at.surface), &at.surface);
+            add_found(tree, scattered, index, surface_emitted(world, &branch->ray, &at),
+                      &at.surface);
         }
         if (!(surface_lobes(world, &at.surface) & LOBE_PASS)) {
             return;
@@ -311,7 +312,7 @@ static void follow(Tree *tree, Branch *branch, AovSample *aov)
     if (aov) {
         aov_fill(&at.hit, &at.point, aov);
     }
-    add_radiance(tree, branch, surface_emitted(world, &at.surface), branch->depth);
+    add_radiance(tree, branch, surface_emitted(world, &branch->ray, &at), branch->depth);
     uint32_t lobes = surface_lobes(world, &at.surface);
     if (lobes & LOBE_PASS) {
         follow_pass(tree, branch, &at.surface);
@@ -338,11 +339,10 @@ static Rgb radiance(const World *world, const Ray *ray, Sampler *sampler, AovSam
     tree.count = 0;
     Branch root = {
         .ray = *ray, .throughput = rgb_gray(1), .squeeze = 1, .media = world->camera_media};
-    grow(&tree, &root);
+    follow(&tree, &root, aov);
     while (tree.count > 0) {
         Branch branch = tree.waiting[--tree.count];
-        follow(&tree, &branch, aov);
-        aov = NULL;
+        follow(&tree, &branch, NULL);
     }
     return tree.radiance;
 }

@@ -11,6 +11,22 @@ bool surface_hit(const World *world, const Ray *ray, IntegratorStats *stats, Sur
     return true;
 }
 
+bool surface_hit_lean(const World *world, const Ray *ray, IntegratorStats *stats, SurfaceHit *out)
+{
+    ++stats->rays;
+    if (!accel_intersect(world->accel, ray, &out->hit)) {
+        return false;
+    }
+    const uint32_t material = accel_material(world->accel, &out->hit);
+    if (world_material(world, material)->whole) {
+        accel_surface(world->accel, ray, &out->hit, &out->surface);
+    } else {
+        accel_surface_plain(world->accel, ray, &out->hit, &out->surface);
+    }
+    shading_point(world, &out->surface, ray->direction, &out->point);
+    return true;
+}
+
 bool surface_hit_visible(const World *world, const Ray *ray, IntegratorStats *stats,
                          SurfaceHit *out)
 {
@@ -78,13 +94,17 @@ bool surface_reach_through(const World *world, MediumStack *media, const Surface
     return false;
 }
 
-Rgb surface_emitted(const World *world, const Surface *surface)
+Rgb surface_emitted(const World *world, const Ray *ray, SurfaceHit *at)
 {
+    Surface *surface = &at->surface;
     uint32_t index = light_of_surface(world, surface);
     if (index == NONE_ID) {
         return rgb_gray(0);
     }
     const Light *light = light_set_get(world->lights, index);
+    if (light->whole && !surface->whole) {
+        accel_surface(world->accel, ray, &at->hit, surface);
+    }
     return light->class->emitted(world, light, surface);
 }
 

@@ -17,7 +17,9 @@ typedef struct SurfaceHit {
 // The nearest surface along a ray of unit direction, ready for shading; counts the ray. False where
 // it meets nothing.
 bool surface_hit(const World *world, const Ray *ray, IntegratorStats *stats, SurfaceHit *out);
-// The same for views: goes on through surfaces that let more than half of the light pass.
+// The same with no more of the surface than its material asks for.
+bool surface_hit_lean(const World *world, const Ray *ray, IntegratorStats *stats, SurfaceHit *out);
+// The same, whole, for views: goes on through surfaces that let more than half of the light pass.
 bool surface_hit_visible(const World *world, const Ray *ray, IntegratorStats *stats,
                          SurfaceHit *out);
 // What the arbitrary output variables tell of a hit.
@@ -51,8 +53,9 @@ static inline bool surface_reach(const World *world, MediumStack *media, const S
     *outside = 0;
     return world->media && surface_reach_through(world, media, surface, distance, carried, outside);
 }
-// The radiance that a surface emits to where the ray that found it came from.
-Rgb surface_emitted(const World *world, const Surface *surface);
+// The radiance that a surface emits to where the ray that found it came from. Makes the surface
+// whole where that is asked for.
+Rgb surface_emitted(const World *world, const Ray *ray, SurfaceHit *at);
 // The radiance of all lights at infinity along a direction in which nothing is hit.
 Rgb world_escaped(const World *world, Vec3 direction);
 
