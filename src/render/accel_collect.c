@@ -672,6 +672,7 @@ void accel_collect_free(Accel *accel)
     for (uint32_t i = 0; i < accel->group_count; ++i) {
         for (uint32_t k = 0; k < accel->groups[i].kind_count; ++k) {
             mem_free(accel->groups[i].kinds[k].runs);
+            mem_free(accel->groups[i].kinds[k].balls_memory);
         }
         mem_free(accel->groups[i].kinds);
         mem_free(accel->groups[i].pockets);

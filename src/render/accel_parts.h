@@ -96,6 +96,15 @@
 #define SWEEP_AREA 0.0625
 typedef struct AccelGroup AccelGroup;
 
+// The balls of a run in Embree's coordinates, in single precision: what passes them by farther than
+// BALL_MARGIN misses them for certain. Those that a run of fewer lacks are far away.
+enum { RUN_LONGEST = 4 };
+typedef struct BallRun {
+    float x[RUN_LONGEST], y[RUN_LONGEST], z[RUN_LONGEST], radius[RUN_LONGEST];
+} BallRun;
+// As BOX_MARGIN, with the rounding of a distance of two points up to 4 apart.
+#define BALL_MARGIN 0x1p-18
+
 // Shapes of one kind in one group.
 typedef struct AccelKind {
     const Accel *accel;
@@ -106,6 +115,11 @@ typedef struct AccelKind {
     uint32_t count;
     uint32_t *runs; // curved shapes: the first of each run (accel_runs.c), and `count`; NULL: none
     uint32_t run_count;
+    // Balls in the group's space whose parameters follow one another as they do: `row` is the first
+    // one's, and each run has a filter. NULL: they aren't.
+    const char *row;
+    BallRun *balls; // within balls_memory
+    void *balls_memory;
     bool native;        // triangles of Embree's: flat shapes, or one mesh
     bool tabled;        // native, and in the table of flat pieces: it has no geometry of its own
     int corners;        // flat shapes: 3 or 4

@@ -7,9 +7,13 @@
 #include "base/thread.h"
 #include "render/accel_parts.h"
 
-enum { LONGEST = 4, PIECE = 1 << 14 };
+#include <stdatomic.h>
+
+enum { PIECE = 1 << 14 };
 // A shape joins a run whose box stays below this many times the surfaces of its shapes' boxes.
 static const double MOST_GROWTH = 2.5;
+// Where no ray of Embree's comes.
+static const double NOWHERE = 1e6;
 // With fewer shapes for each run nothing is won.
 static const double LEAST_SHAPES = 1.5;
 
@@ -18,6 +22,7 @@ typedef struct Maker {
     uint32_t *runs;   // the pieces' first shapes of runs, each piece from its own place on
     uint32_t *counts; // by piece
     uint32_t pieces;
+    atomic_bool scattered; // the parameters aren't in a row
 } Maker;
 
 static double half_surface(Box3 box)
@@ -29,7 +34,7 @@ static double half_surface(Box3 box)
 static void make_piece(void *context, uint64_t piece, unsigned worker)
 {
     (void)worker;
-    const Maker *maker = context;
+    Maker *maker = context;
     const AccelKind *kind = maker->kind;
     const Scene *scene = kind->accel->scene;
     const uint32_t begin = (uint32_t)piece * PIECE;
@@ -37,11 +42,15 @@ static void make_piece(void *context, uint64_t piece, unsigned worker)
     uint32_t *runs = maker->runs + begin, count = 0;
     Box3 all = box3_empty();
     double own = 0;
+    const uint32_t first = scene_node(scene, CATEGORY_SHAPE, kind->ids[0])->index;
+    bool scattered = false;
     for (uint32_t i = begin; i < end; ++i) {
-        const Box3 box = accel_shape_box(scene, scene_node(scene, CATEGORY_SHAPE, kind->ids[i]));
+        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, kind->ids[i]);
+        scattered = scattered || node->transform != 0 || node->index != first + i;
+        const Box3 box = accel_shape_box(scene, node);
         const Box3 joined = box3_union(all, box);
         own += half_surface(box);
-        if (count > 0 && i - runs[count - 1] < LONGEST &&
+        if (count > 0 && i - runs[count - 1] < RUN_LONGEST &&
             half_surface(joined) <= MOST_GROWTH * own) {
             all = joined;
         } else {
@@ -51,6 +60,9 @@ static void make_piece(void *context, uint64_t piece, unsigned worker)
         }
     }
     maker->counts[piece] = count;
+    if (scattered) {
+        atomic_store_explicit(&maker->scattered, true, memory_order_relaxed);
+    }
 }
 
 // Moves the pieces' runs together; how many there are.
@@ -66,6 +78,50 @@ static uint32_t join_pieces(const Maker *maker)
     return count;
 }
 
+// --- Balls
+// ----------------------------------------------------------------------------------------
+
+static void fill_balls(void *context, uint64_t piece, unsigned worker)
+{
+    (void)worker;
+    const AccelKind *kind = context;
+    const Vec3 center = kind->group->center;
+    const double inverse_scale = kind->group->inverse_scale;
+    const uint32_t begin = (uint32_t)piece * PIECE;
+    const uint32_t end = kind->run_count - begin > PIECE ? begin + PIECE : kind->run_count;
+    for (uint32_t run = begin; run < end; ++run) {
+        BallRun *balls = &kind->balls[run];
+        const uint32_t first = kind->runs[run], count = kind->runs[run + 1] - first;
+        for (uint32_t i = 0; i < RUN_LONGEST; ++i) {
+            Vec3 p = vec3(NOWHERE, NOWHERE, NOWHERE);
+            double radius = 0;
+            if (i < count) {
+                p = kind->class->ball(kind->row + (first + i) * kind->class->node.size, &radius);
+                p = scale(sub(p, center), inverse_scale);
+            }
+            balls->x[i] = (float)p.x;
+            balls->y[i] = (float)p.y;
+            balls->z[i] = (float)p.z;
+            balls->radius[i] = (float)(radius * inverse_scale);
+        }
+    }
+}
+
+// Without memory there are none.
+static void make_balls(AccelKind *kind)
+{
+    enum { LINE = 64 };
+    kind->balls_memory = mem_alloc((size_t)kind->run_count + 1, sizeof *kind->balls);
+    if (!kind->balls_memory) {
+        return;
+    }
+    const uintptr_t at = (uintptr_t)kind->balls_memory;
+    kind->balls = (BallRun *)((at + LINE - 1) & ~(uintptr_t)(LINE - 1));
+    const Scene *scene = kind->accel->scene;
+    kind->row = scene_params(scene, scene_node(scene, CATEGORY_SHAPE, kind->ids[0]));
+    parallel_for((kind->run_count - 1) / PIECE + 1, kind->accel->threads, fill_balls, kind, NULL);
+}
+
 static void make_runs(AccelKind *kind)
 {
     Maker maker = {.kind = kind, .pieces = (kind->count - 1) / PIECE + 1};
@@ -77,6 +133,9 @@ static void make_runs(AccelKind *kind)
         if (count * LEAST_SHAPES <= kind->count) {
             kind->runs = maker.runs;
             kind->run_count = count;
+            if (!atomic_load(&maker.scattered) && kind->class->ball) {
+                make_balls(kind);
+            }
         }
     }
     if (!kind->runs) {

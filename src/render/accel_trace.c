@@ -225,6 +225,76 @@ static bool shape_hit(const AccelKind *kind, uint32_t shape, const Ray *ray, dou
     return kind->class->intersect(kind->params + node->index * kind->class->node.size, &local, hit);
 }
 
+// Which of a run's balls the ray may meet before its end: a bit each. What lies exactly at the
+// margin may. False alarms cost time alone.
+static inline uint32_t balls_near(const BallRun *balls, const struct RTCRay *ray, float far)
+{
+    typedef float Four __attribute__((vector_size(16)));
+    typedef int32_t FourInts __attribute__((vector_size(16)));
+    Four x, y, z, radius;
+    memcpy(&x, balls->x, sizeof x);
+    memcpy(&y, balls->y, sizeof y);
+    memcpy(&z, balls->z, sizeof z);
+    memcpy(&radius, balls->radius, sizeof radius);
+    x -= ray->org_x;
+    y -= ray->org_y;
+    z -= ray->org_z;
+    const Four along = x * ray->dir_x + y * ray->dir_y + z * ray->dir_z;
+    x -= along * ray->dir_x;
+    y -= along * ray->dir_y;
+    z -= along * ray->dir_z;
+    radius += (float)BALL_MARGIN;
+    const FourInts near = (x * x + y * y + z * z <= radius * radius) & (along - radius <= far);
+    uint32_t bits = 0;
+    for (int i = 0; i < RUN_LONGEST; ++i) {
+        bits |= (uint32_t)near[i] & UINT32_C(1) << i;
+    }
+    return bits;
+}
+
+// A ray through a run of a kind's shapes, up to tmax.
+typedef struct RunRay {
+    const AccelKind *kind;
+    uint32_t primitive;
+    const struct RTCRay *embree;
+    const Ray *ray;
+    double tmax;
+    float far; // Embree's length beyond which nothing is looked for
+} RunRay;
+
+// The number of the nearest shape of a run that is hit, its hit in *hit; NONE_ID: none is.
+static inline uint32_t run_hit(const RunRay *run, ShapeHit *hit)
+{
+    const AccelKind *kind = run->kind;
+    uint32_t found = NONE_ID;
+    double tmax = run->tmax;
+    if (kind->balls) {
+        uint32_t near = balls_near(&kind->balls[run->primitive], run->embree, run->far);
+        if (!near) {
+            return NONE_ID;
+        }
+        const uint32_t begin = kind->runs[run->primitive];
+        Ray ray = *run->ray;
+        for (; near; near &= near - 1) {
+            const uint32_t i = begin + (uint32_t)__builtin_ctz(near);
+            ray.tmax = tmax;
+            if (kind->class->intersect(kind->row + i * kind->class->node.size, &ray, hit)) {
+                tmax = hit->t;
+                found = i;
+            }
+        }
+        return found;
+    }
+    const uint32_t end = accel_run_begin(kind, run->primitive + 1);
+    for (uint32_t i = accel_run_begin(kind, run->primitive); i < end; ++i) {
+        if (shape_hit(kind, kind->ids[i], run->ray, tmax, hit)) {
+            tmax = hit->t;
+            found = i;
+        }
+    }
+    return found;
+}
+
 // How far along its ray a query still looks: on the fast way Embree alone knows of flat pieces.
 static double query_tmax(const Query *q, const struct RTCRay *ray)
 {
@@ -253,19 +323,13 @@ void intersect_shape(const struct RTCIntersectFunctionNArguments *args)
     }
     const AccelKind *kind = args->geometryUserPtr;
     Query *q = (Query *)(void *)args->context;
-    const uint32_t end = accel_run_begin(kind, args->primID + 1);
-    double tmax = query_tmax(q, (const struct RTCRay *)(const void *)args->rayhit);
-    bool met = false;
-    for (uint32_t i = accel_run_begin(kind, args->primID); i < end; ++i) {
-        const uint32_t shape = kind->ids[i];
-        ShapeHit local;
-        if (shape_hit(kind, shape, q->ray, tmax, &local)) {
-            *q->hit = (Hit){.t = local.t, .shape = shape, .instance = q->instance, .local = local};
-            tmax = local.t;
-            met = true;
-        }
-    }
-    if (met) {
+    const struct RTCRay *ray = (const struct RTCRay *)(const void *)args->rayhit;
+    const RunRay run = {kind, args->primID, ray, q->ray, query_tmax(q, ray), ray->tfar};
+    ShapeHit local;
+    const uint32_t found = run_hit(&run, &local);
+    if (found != NONE_ID) {
+        *q->hit =
+            (Hit){.t = local.t, .shape = kind->ids[found], .instance = q->instance, .local = local};
         report_hit(q, args);
     }
 }
@@ -277,14 +341,11 @@ void occluded_shape(const struct RTCOccludedFunctionNArguments *args)
     }
     const AccelKind *kind = args->geometryUserPtr;
     Query *q = (Query *)(void *)args->context;
-    const uint32_t end = accel_run_begin(kind, args->primID + 1);
+    struct RTCRay *ray = (struct RTCRay *)(void *)args->ray;
+    const RunRay run = {kind, args->primID, ray, q->ray, q->tmax, INFINITY};
     ShapeHit local;
-    bool met = false;
-    for (uint32_t i = accel_run_begin(kind, args->primID); !met && i < end; ++i) {
-        met = shape_hit(kind, kind->ids[i], q->ray, q->tmax, &local);
-    }
-    if (met) {
-        ((struct RTCRay *)(void *)args->ray)->tfar = -INFINITY;
+    if (run_hit(&run, &local) != NONE_ID) {
+        ray->tfar = -INFINITY;
     }
 }
 

@@ -84,6 +84,8 @@ typedef struct ShapeClass {
     bool (*closed)(const void *params);
     // The nearest hit with ray->tmin < t < ray->tmax; the direction need not be of unit length.
     bool (*intersect)(const void *params, const Ray *ray, ShapeHit *hit);
+    // The middle and the radius of a shape that is a ball. NULL: it isn't one.
+    Vec3 (*ball)(const void *params, double *radius);
     // The geometry at a hit; that of kinds held as triangles doesn't ask for the ray.
     void (*point)(const Scene *scene, const void *params, const Ray *ray, const ShapeHit *hit,
                   ShapePoint *out);

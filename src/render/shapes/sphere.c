@@ -31,6 +31,13 @@ static Box3 sphere_bounds(const Scene *scene, const void *params)
     return (Box3){sub(s->center, r), add(s->center, r)};
 }
 
+static Vec3 sphere_ball(const void *params, double *radius)
+{
+    const Sphere *s = params;
+    *radius = s->radius;
+    return s->center;
+}
+
 // The quadratic in the form of Haines et al. 2019, "Precision Improvements for Ray/Sphere
 // Intersection" (Ray Tracing Gems, 7): the discriminant from the vector between centre and line,
 // the roots without cancellation. The sign of the root near an origin on the surface follows from
@@ -296,6 +303,7 @@ const ShapeClass sphere_shape = {
     .holding = HOLD_USER,
     .closed = shape_is_closed,
     .intersect = sphere_intersect,
+    .ball = sphere_ball,
     .point = sphere_point,
     .place = sphere_place,
     .area = sphere_area,

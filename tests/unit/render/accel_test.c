@@ -889,6 +889,31 @@ static void ask_for_few_pixels(Scene *scene)
     assert_int_equal(scene_film(scene).width, 4);
 }
 
+// Rays that graze spheres hit them through the hierarchy if and only if they do so by themselves.
+static void check_grazing(const Accel *accel, const Scene *scene, uint32_t spheres, Random *r)
+{
+    int hits = 0;
+    for (int k = 0; k < 20000; ++k) {
+        const uint32_t number = 1 + (uint32_t)(uniform(r) * spheres);
+        const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, number);
+        double radius;
+        const Vec3 middle = shape_class(scene, node)->ball(scene_params(scene, node), &radius);
+        const double around = between(r, 0, 2 * PI), aside = pow(10, between(r, -16, -5));
+        const Vec3 along = vec3(cos(around), 0, sin(around));
+        Vec3 from = add_scaled(middle, vec3(0, 1, 0), radius * (1 + (k % 2 ? aside : -aside)));
+        from = add_scaled(from, along, -radius);
+        const Ray ray = ray_make(from, along, 0, 2 * radius);
+        ShapeHit own;
+        Hit hit;
+        const bool met = shape_class(scene, node)->intersect(scene_params(scene, node), &ray, &own);
+        assert_int_equal(accel_occluded(accel, &ray), met);
+        assert_int_equal(accel_intersect(accel, &ray, &hit), met);
+        assert_true(!met || (hit.t == own.t && hit.shape == number));
+        hits += met;
+    }
+    assert_true(hits > 9000 && hits < 11000);
+}
+
 // Many instances and many spheres are few geometries; hits in them are found by
 // number, in hierarchies of either make.
 static void check_many(bool few_pixels)
@@ -926,6 +951,8 @@ static void check_many(bool few_pixels)
     assert_int_equal(spheres->runs != NULL, few_pixels);
     assert_int_equal(accel_primitive_count(spheres),
                      few_pixels ? SIDE * ((SIDE + 3) / 4) : SIDE * SIDE);
+    assert_int_equal(spheres->balls != NULL, few_pixels);
+    check_grazing(accel, scene, SIDE * SIDE, &r);
     Comparison c = {0, 0, 0};
     for (int k = 0; k < 200; ++k) {
         const Vec3 from = random_in_box(&r, accel_bounds(accel));
