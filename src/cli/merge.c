@@ -117,7 +117,8 @@ static int read_part(const Merging *m, const Part *part, Checkpoint *checkpoint,
     } else if (difference) {
         code = complain(EXIT_FILES, "`%s` and `%s` don't belong together: of another %s",
                         m->parts[0].path, part->path, difference);
-    } else if (!film_init(film, n->width, n->height, n->first_sample, n->samples, n->aovs)) {
+    } else if (!film_init(film, n->width, n->height, n->first_sample, n->samples, n->aovs) ||
+               (n->quantum != 0 && !film_share(film, n->quantum, n->reach))) {
         code = complain(EXIT_NO_MEMORY, "not enough memory for the samples of `%s`", part->path);
     } else {
         result =

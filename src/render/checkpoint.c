@@ -13,24 +13,26 @@ static const char magic[8] = {'\x93', 'S', 'C', 'N', '\r', '\n', '\x1a', '\n'};
 enum { MOST_TEXT_BYTES = 1 << 20, MOST_SHOWN = 200 };
 
 // Sums and numbers lie in the file as in memory.
-_Static_assert(sizeof(FilmPixel) == 40 && sizeof(AovPixel) == 96, "the format's sizes");
-_Static_assert(sizeof(CheckpointNumbers) == 80, "the format's sizes");
+_Static_assert(sizeof(FilmPixel) == 40 && sizeof(AovPixel) == 96 && sizeof(FilmGain) == 24,
+               "the format's sizes");
+_Static_assert(sizeof(CheckpointNumbers) == 96, "the format's sizes");
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the format's order of bytes");
 
-enum { ARRAYS = 4 };
+enum { ARRAYS = 5 };
 
 // The sizes in bytes of a film's arrays, in the order of the file. False where one overflows.
 static bool array_sizes(const CheckpointNumbers *n, uint64_t sizes[ARRAYS])
 {
     const uint64_t pixels = (uint64_t)n->width * n->height;
-    const uint64_t counts[ARRAYS][2] = {{pixels, 1},
-                                        {n->aovs ? pixels : 0, 1},
-                                        {pixels, n->block_count},
-                                        {n->aovs ? pixels : 0, n->block_count}};
+    const uint64_t layers = n->aovs ? pixels : 0, shared = n->quantum != 0 ? pixels : 0;
+    const uint64_t counts[ARRAYS][3] = {{pixels, 1, sizeof(FilmPixel)},
+                                        {layers, 1, sizeof(AovPixel)},
+                                        {pixels, n->block_count, sizeof(FilmPixel)},
+                                        {layers, n->block_count, sizeof(AovPixel)},
+                                        {shared, 1, sizeof(FilmGain)}};
     for (int i = 0; i < ARRAYS; ++i) {
-        const uint64_t size = i % 2 ? sizeof(AovPixel) : sizeof(FilmPixel);
         if (__builtin_mul_overflow(counts[i][0], counts[i][1], &sizes[i]) ||
-            __builtin_mul_overflow(sizes[i], size, &sizes[i])) {
+            __builtin_mul_overflow(sizes[i], counts[i][2], &sizes[i])) {
             return false;
         }
     }
@@ -77,7 +79,8 @@ static void put_text(Writer *writer, const CheckpointText *text)
 void checkpoint_write(FILE *file, CheckpointTexts texts, const CheckpointNumbers *numbers,
                       const Film *film, CheckpointMore more)
 {
-    const void *arrays[ARRAYS] = {film->pixels, film->aovs, film->blocks, film->aov_blocks};
+    const void *arrays[ARRAYS] = {film->pixels, film->aovs, film->blocks, film->aov_blocks,
+                                  film->gains};
     uint64_t sizes[ARRAYS] = {0};
     array_sizes(numbers, sizes); // the film is there, so they don't overflow
     Writer writer = {.file = file};
@@ -184,13 +187,22 @@ static CheckpointResult get_texts(Checkpoint *checkpoint, Reason reason)
     return result;
 }
 
+// Gains are 0 and 0, or of a power of two and of a pixel or more.
+static bool sharing_makes_sense(const CheckpointNumbers *n)
+{
+    int exponent;
+    return n->quantum == 0
+               ? n->reach == 0
+               : frexp(n->quantum, &exponent) == 0.5 && n->reach > 0 && n->reach <= n->width;
+}
+
 // The numbers must make sense, and the file must have the length that follows from them.
 static bool numbers_fit(const CheckpointNumbers *n, uint64_t read, uint64_t file_size)
 {
     uint64_t sizes[ARRAYS], wanted;
     if (n->width == 0 || n->height == 0 || n->aovs > 1 || n->samples_done > n->samples ||
         n->samples > n->whole || n->first_sample > n->whole - n->samples ||
-        n->first_sample % SAMPLE_BLOCK != 0 || !array_sizes(n, sizes) ||
+        n->first_sample % SAMPLE_BLOCK != 0 || !sharing_makes_sense(n) || !array_sizes(n, sizes) ||
         __builtin_add_overflow(read + sizeof(uint64_t), n->more, &wanted)) {
         return false;
     }
@@ -287,7 +299,7 @@ CheckpointResult checkpoint_read_film(Checkpoint *checkpoint, Film *film, Checkp
                                       char *message, size_t message_size)
 {
     const Reason reason = {message, message_size};
-    void *arrays[ARRAYS] = {film->pixels, film->aovs, film->blocks, film->aov_blocks};
+    void *arrays[ARRAYS] = {film->pixels, film->aovs, film->blocks, film->aov_blocks, film->gains};
     uint64_t sizes[ARRAYS];
     if (!array_sizes(&checkpoint->numbers, sizes)) {
         return damaged(checkpoint, reason);

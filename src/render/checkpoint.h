@@ -9,7 +9,8 @@
 //     numbers          CheckpointNumbers
 //     checksum         uint64: of all above
 //     sums             the film's arrays as they lie in memory: pixels, layers, blocks, the layers'
-//                      blocks; those that the numbers tell of; then what else the renderer keeps
+//                      blocks, the gains; those that the numbers tell of; then what else the
+//                      renderer keeps
 //     checksum         uint64: of all above
 //
 // A checksum is XXH3 (64 bits) of the last piece (a number, a length, a string, an array, a
@@ -24,7 +25,7 @@
 
 #include <stdio.h>
 
-enum { CHECKPOINT_VERSION = 1 };
+enum { CHECKPOINT_VERSION = 2 };
 
 typedef enum CheckpointKind {
     CHECKPOINT_IDENTITY, // must be the same for sums to belong together: the scene, the seed, …
@@ -54,6 +55,9 @@ typedef struct CheckpointNumbers {
     uint64_t rays, shadow_rays, samples_taken, bad_samples;
     uint64_t more;  // bytes behind the film's arrays
     double seconds; // of rendering
+    double quantum; // of the gains; 0: there are none
+    uint32_t reach; // of the sharing
+    uint32_t unused;
 } CheckpointNumbers;
 
 // Bytes behind the film's arrays.

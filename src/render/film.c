@@ -63,8 +63,17 @@ void film_populate(const Film *film, unsigned threads)
     populate(film->aovs, count * sizeof *film->aovs, threads);
 }
 
+bool film_share(Film *film, double quantum, uint32_t reach)
+{
+    film->gains = mem_alloc_zeroed(film_pixel_count(film), sizeof *film->gains);
+    film->quantum = quantum;
+    film->reach = reach;
+    return film->gains != NULL;
+}
+
 void film_free(Film *film)
 {
+    mem_free(film->gains);
     mem_free(film->pixels);
     mem_free(film->aovs);
     mem_free(film->blocks);
@@ -149,7 +158,8 @@ static bool film_is_even(const Film *film)
 
 static FilmMerge can_merge(const Film *film, const Film *part)
 {
-    if (film->width != part->width || film->height != part->height || !film->aovs != !part->aovs) {
+    if (film->width != part->width || film->height != part->height || !film->aovs != !part->aovs ||
+        !film->gains != !part->gains) {
         return FILM_MERGE_SIZE;
     }
     if (film->first_sample != 0) {
@@ -162,6 +172,21 @@ static FilmMerge can_merge(const Film *film, const Film *part)
         return FILM_MERGE_GAP;
     }
     return FILM_MERGED;
+}
+
+// Another processor's last places may have led to another quantum.
+static void merge_gains(Film *film, const Film *part)
+{
+    const double ratio = part->quantum / film->quantum;
+    const size_t count = film->gains ? film_pixel_count(film) : 0;
+    for (size_t p = 0; p < count; ++p) {
+        for (int i = 0; i < 3; ++i) {
+            const int64_t gain = part->gains[p].sum[i];
+            const int64_t here = ratio == 1 ? gain : llrint((double)gain * ratio);
+            int64_t *sum = &film->gains[p].sum[i];
+            *sum = (int64_t)((uint64_t)*sum + (uint64_t)here);
+        }
+    }
 }
 
 FilmMerge film_merge(Film *film, const Film *part)
@@ -179,6 +204,7 @@ FilmMerge film_merge(Film *film, const Film *part)
             }
         }
     }
+    merge_gains(film, part);
     film->samples_done += part->samples_done;
     return FILM_MERGED;
 }
@@ -190,6 +216,45 @@ Rgb film_mean(const FilmPixel *pixel)
     }
     const double n = pixel->samples;
     return rgb((float)(pixel->sum[0] / n), (float)(pixel->sum[1] / n), (float)(pixel->sum[2] / n));
+}
+
+static bool neighbours_agree(const Film *film, size_t pixel)
+{
+    const size_t x = pixel % film->width, y = pixel / film->width, reach = film->reach;
+    const size_t x0 = x > reach ? x - reach : 0, y0 = y > reach ? y - reach : 0;
+    for (size_t j = y0; j <= y + reach && j < film->height; ++j) {
+        for (size_t i = x0; i <= x + reach && i < film->width; ++i) {
+            if (film->pixels[j * film->width + i].samples != film->pixels[pixel].samples) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+// How much of its gain a pixel shows. Of independent samples all of it would leave the least error;
+// but a pixel's own are stratified, the better the more there are. The mean is the same for any.
+static const double gain_part = 0.7;
+
+static Rgb color_with_gain(const Film *film, size_t p)
+{
+    const FilmPixel *pixel = &film->pixels[p];
+    if (!film->gains || pixel->samples == 0) {
+        return film_mean(pixel);
+    }
+    float color[3];
+    for (int i = 0; i < 3; ++i) {
+        const int64_t gain = __atomic_load_n(&film->gains[p].sum[i], __ATOMIC_RELAXED);
+        const double sum = pixel->sum[i] + gain_part * (double)gain * film->quantum;
+        color[i] = (float)fmax(sum / pixel->samples, 0); // below it by rounding alone
+    }
+    return rgb(color[0], color[1], color[2]);
+}
+
+Rgb film_color(const Film *film, size_t pixel)
+{
+    return !film->gains || neighbours_agree(film, pixel) ? color_with_gain(film, pixel)
+                                                         : film_mean(&film->pixels[pixel]);
 }
 
 double film_luminance(const FilmPixel *pixel)
@@ -226,6 +291,7 @@ typedef struct Development {
     float gain;
     int channels;
     bool linear;
+    bool even; // all pixels have as many samples
     float *out;
 } Development;
 
@@ -236,7 +302,7 @@ static void develop_rows(void *context, uint64_t item, unsigned worker)
     const size_t first = (size_t)item * ROWS_AT_ONCE, end = first + ROWS_AT_ONCE;
     const size_t last = end < d->film->height ? end : d->film->height;
     for (size_t p = first * d->film->width; p < last * d->film->width; ++p) {
-        Rgb color = film_mean(&d->film->pixels[p]);
+        Rgb color = d->even ? color_with_gain(d->film, p) : film_color(d->film, p);
         if (!d->linear) {
             color = tone_apply(d->tone, rgb_scale(color, d->gain));
         }
@@ -258,6 +324,7 @@ void film_develop(const Film *film, const FilmParams *params, int channels, bool
                                .gain = linear ? 1 : (float)exp2(params->exposure),
                                .channels = channels,
                                .linear = linear,
+                               .even = film_is_even(film),
                                .out = out};
     const uint64_t bands = ((uint64_t)film->height + ROWS_AT_ONCE - 1) / ROWS_AT_ONCE;
     parallel_for(bands, threads, develop_rows, &development, NULL);

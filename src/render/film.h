@@ -46,6 +46,12 @@ typedef struct AovPixel {
     uint32_t unused;
 } AovPixel;
 
+// What sharing (share.h) adds to a pixel's sum, in quanta of the film: whole numbers, so that their
+// sum is the same in whatever order threads and tiles add them.
+typedef struct FilmGain {
+    int64_t sum[3];
+} FilmGain;
+
 typedef struct Film {
     uint32_t width, height;
     uint32_t first_sample; // number of the first sample: 0, or a part's multiple of SAMPLE_BLOCK
@@ -57,6 +63,11 @@ typedef struct Film {
     FilmPixel *blocks;
     AovPixel *aov_blocks;
     uint32_t block_count;
+    // Of sharing: NULL, 0, 0 without. A gain is that of all samples, the first blocks' and later
+    // ones' alike.
+    FilmGain *gains;
+    double quantum; // W/m²/sr, a power of two
+    uint32_t reach; // pixels from one to the farthest with which it shares
 } Film;
 
 // A black film. `samples` is how many a part will hold at most (ignored where first_sample = 0).
@@ -64,6 +75,8 @@ typedef struct Film {
 // *film is then empty. Give it back with film_free.
 bool film_init(Film *film, uint32_t width, uint32_t height, uint32_t first_sample, uint32_t samples,
                bool aovs);
+// Lets it share. False when memory runs out.
+bool film_share(Film *film, double quantum, uint32_t reach);
 void film_free(Film *film);
 // Has the system provide the memory of a film that isn't huge, by `threads`: for one of which all
 // pixels will be filled soon.
@@ -94,15 +107,20 @@ typedef enum FilmMerge {
 // `film` as it was.
 FilmMerge film_merge(Film *film, const Film *part);
 
-// The mean of a pixel's samples.
+// What the picture shows of a pixel: the mean of its samples and most of its gain. Where those with
+// which it shares have not all been given the same number of samples, as after a stop, it is the
+// former alone.
+Rgb film_color(const Film *film, size_t pixel);
+// The mean of a pixel's own samples.
 Rgb film_mean(const FilmPixel *pixel);
 // Its luminance; 0 without samples.
 double film_luminance(const FilmPixel *pixel);
-// The variance of the mean's luminance, estimated from the samples; 0 for fewer than two.
+// The variance of the mean's luminance, estimated from the samples; 0 for fewer than two. What is
+// shared varies less.
 double film_variance(const FilmPixel *pixel);
 
 // Writes width * height * channels floats, rows from the top. channels is 3, or 4 with the fraction
-// of samples that hit something as alpha (1 without AOVs). linear: the means as they are, scene
+// of samples that hit something as alpha (1 without AOVs). linear: the colours as they are, scene
 // linear Rec.709, without exposure and tone curve, as EXR wants them. Otherwise the exposure and
 // the tone curve of `params` are applied, and the result lies in [0, 1], encoded for a display
 // (TONE_LINEAR: not encoded). Rows are shared by `threads` (0 counts as 1).

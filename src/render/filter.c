@@ -43,6 +43,7 @@ void filter_init(PixelFilter *filter, FilterKind kind, double width)
 {
     filter->kind = kind;
     filter->width = width > 0 && kind != FILTER_CENTER ? width : filter_default_width(kind);
+    filter->cells = filter->width > 0 ? FILTER_CELLS / filter->width : 0;
     // The left half, mirrored, so that the mean is exactly 0.
     filter->mass[0] = 0;
     filter->mass[FILTER_CELLS] = 1;
@@ -53,6 +54,7 @@ void filter_init(PixelFilter *filter, FilterKind kind, double width)
     }
     for (int i = 0; i < FILTER_CELLS; ++i) {
         filter->stretch[i] = 1 / (FILTER_CELLS * (filter->mass[i + 1] - filter->mass[i]));
+        filter->density[i] = 1 / (filter->stretch[i] * filter->width);
     }
     uint16_t cell = 0;
     for (int i = 0; i < FILTER_CELLS; ++i) {
@@ -76,10 +78,4 @@ double filter_sample(const PixelFilter *filter, float u)
     }
     const double x = cell * (1.0 / FILTER_CELLS) + (v - filter->mass[cell]) * filter->stretch[cell];
     return (x - 0.5) * filter->width;
-}
-
-double filter_density(const PixelFilter *filter, double offset)
-{
-    const double x = (offset / filter->width + 0.5) * FILTER_CELLS;
-    return x >= 0 && x < FILTER_CELLS ? 1 / (filter->stretch[(int)x] * filter->width) : 0;
 }

@@ -1,7 +1,7 @@
 // Pixel filters, by importance sampling: a sample's place within the filter is drawn with the
 // filter's density and then counts once (Ernst, Stamminger and Greiner 2006, "Filter Importance
-// Sampling"), so that a pixel's samples are its own and no tile writes to another's pixels. All
-// filters are separable, symmetric and nowhere negative.
+// Sampling"), so that a pixel's samples are its own. (What is noisy in them it shares with its
+// neighbours: share.h.) All filters are separable, symmetric and nowhere negative.
 #ifndef RENDER_FILTER_H
 #define RENDER_FILTER_H
 
@@ -20,8 +20,10 @@ enum { FILTER_CELLS = 256 };
 typedef struct PixelFilter {
     FilterKind kind;
     double width;                  // of the whole support, pixels
+    double cells;                  // in a pixel
     double mass[FILTER_CELLS + 1]; // integral of the density up to each cell's start
     double stretch[FILTER_CELLS];  // a cell's width over its mass, in parts of the support
+    double density[FILTER_CELLS];  // its mass over its width in pixels
     uint16_t guide[FILTER_CELLS];  // the cell where a search for u in [i, i + 1) / CELLS begins
 } PixelFilter;
 
@@ -34,6 +36,10 @@ double filter_cumulative(FilterKind kind, double x);
 // The offset from the pixel's centre, in pixels, for u in [0, 1).
 double filter_sample(const PixelFilter *filter, float u);
 // The density, over pixels, with which it chooses an offset; not for FILTER_CENTER.
-double filter_density(const PixelFilter *filter, double offset);
+static inline double filter_density(const PixelFilter *filter, double offset)
+{
+    const double x = offset * filter->cells + FILTER_CELLS / 2;
+    return x >= 0 && x < FILTER_CELLS ? filter->density[(int)x] : 0;
+}
 
 #endif

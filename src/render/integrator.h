@@ -26,11 +26,12 @@ typedef struct IntegratorClass {
     // Incoming radiance along `ray` (W/m²/sr, linear Rec.709).  `aov` may be NULL. Thread-safe.
     Rgb (*radiance)(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
                     IntegratorStats *stats);
-    // The two parts of it, for pixels in which lamps' edges are seen (lamps.h): `lamps` is what
-    // lights emit along the ray themselves, `rest` all else. NULL: it isn't found in parts.
+    // It in parts, for films. `lamps` is what lights emit along the ray themselves; `for_film` is
+    // the whole, or what remains without that, for pixels in which lamps' edges are seen (lamps.h),
+    // and *indirect what of it comes by chance from afar (share.h). NULL: it isn't found in parts.
     Rgb (*lamps)(const World *world, const Ray *ray, Sampler *sampler, IntegratorStats *stats);
-    Rgb (*rest)(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
-                IntegratorStats *stats);
+    Rgb (*for_film)(const World *world, const Ray *ray, Sampler *sampler, bool lamps_apart,
+                    AovSample *aov, Rgb *indirect, IntegratorStats *stats);
     bool photons; // it leaves to photons (photons.h) what World.photon_lights tells it to
     // Reports what the integrator leaves out of this world, before anything is rendered; NULL:
     // nothing.

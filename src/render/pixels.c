@@ -25,9 +25,15 @@ typedef struct Site {
     size_t at;
 } Site;
 
+// A ray, and where it goes through the pixel's filter: from the pixel's centre, in pixels.
+typedef struct FilmRay {
+    Ray ray;
+    double offset[2];
+} FilmRay;
+
 // The ray through a place in the pixel's filter, by numbers in [0, 1). False: the camera has none.
 static bool filter_ray(const Renderer *r, const Site *site, float u, float v, Sampler *sampler,
-                       Ray *ray)
+                       FilmRay *out)
 {
     float lens_u = 0.5F, lens_v = 0.5F;
     if (r->camera.params.aperture > 0) {
@@ -35,12 +41,14 @@ static bool filter_ray(const Renderer *r, const Site *site, float u, float v, Sa
     } else {
         sampler_skip_2d(sampler);
     }
-    const double film_x = (site->x + 0.5 + filter_sample(&r->filter, u)) * r->pixel_width;
-    const double film_y = (site->y + 0.5 + filter_sample(&r->filter, v)) * r->pixel_height;
-    return camera_ray(&r->camera, film_x, film_y, lens_u, lens_v, ray);
+    out->offset[0] = filter_sample(&r->filter, u);
+    out->offset[1] = filter_sample(&r->filter, v);
+    const double film_x = (site->x + 0.5 + out->offset[0]) * r->pixel_width;
+    const double film_y = (site->y + 0.5 + out->offset[1]) * r->pixel_height;
+    return camera_ray(&r->camera, film_x, film_y, lens_u, lens_v, &out->ray);
 }
 
-static bool sample_ray(const Renderer *r, const Site *site, Sampler *sampler, Ray *ray)
+static bool sample_ray(const Renderer *r, const Site *site, Sampler *sampler, FilmRay *out)
 {
     float u = 0.5F, v = 0.5F;
     if (r->filter.width > 0) {
@@ -48,7 +56,7 @@ static bool sample_ray(const Renderer *r, const Site *site, Sampler *sampler, Ra
     } else {
         sampler_skip_2d(sampler);
     }
-    return filter_ray(r, site, u, v, sampler, ray);
+    return filter_ray(r, site, u, v, sampler, out);
 }
 
 // --- Edges of lamps (lamps.h) --------------------------------------------------------------------
@@ -71,10 +79,10 @@ static bool edge_is_seen(const Renderer *r, const Site *site, IntegratorStats *s
     for (uint32_t i = 0; i < SIDE * SIDE; ++i) {
         Sampler sampler;
         sampler_start(&sampler, r->seed ^ TRIAL_STREAM, site->x, site->y, i);
-        Ray ray;
+        FilmRay film;
         float seen = 0;
-        if (filter_ray(r, site, places[i % SIDE], places[i / SIDE], &sampler, &ray)) {
-            seen = luminance(lamps_along(r, &ray, &sampler, stats));
+        if (filter_ray(r, site, places[i % SIDE], places[i / SIDE], &sampler, &film)) {
+            seen = luminance(lamps_along(r, &film.ray, &sampler, stats));
         }
         least = fminf(least, seen);
         most = fmaxf(most, seen);
@@ -103,15 +111,33 @@ static Rgb lamps_seen(const Renderer *r, const Site *site, uint32_t number, Inte
         Sampler sampler;
         sampler_start_neighbour(&sampler, site->stream->seed ^ LAMP_STREAM, site->x, site->y,
                                 number * LAMP_RAYS + i);
-        Ray ray;
-        if (sample_ray(r, site, &sampler, &ray)) {
-            sum = rgb_add(sum, lamps_along(r, &ray, &sampler, stats));
+        FilmRay film;
+        if (sample_ray(r, site, &sampler, &film)) {
+            sum = rgb_add(sum, lamps_along(r, &film.ray, &sampler, stats));
         }
     }
     return rgb_scale(sum, 1.0F / LAMP_RAYS);
 }
 
 // --- Samples -------------------------------------------------------------------------------------
+
+// The radiance along the ray, or what remains of it without that of lamps.
+static Rgb radiance_along(const Renderer *r, const Site *site, const FilmRay *film,
+                          bool lamps_apart, Sampler *sampler, AovSample *aov,
+                          IntegratorStats *stats)
+{
+    const IntegratorClass *integrator = r->integrator;
+    if (!integrator->for_film) {
+        return checked(integrator->radiance(r->world, &film->ray, sampler, aov, stats), stats);
+    }
+    Rgb indirect;
+    const Rgb radiance =
+        integrator->for_film(r->world, &film->ray, sampler, lamps_apart, aov, &indirect, stats);
+    if (site->stream->window) {
+        share_add(r, site->stream->window, site->x, site->y, film->offset, indirect);
+    }
+    return checked(radiance, stats);
+}
 
 static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, AovSample *aov,
                        IntegratorStats *stats)
@@ -120,16 +146,15 @@ static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, Aov
     const Rgb lamps = apart ? lamps_seen(r, site, number, stats) : rgb_gray(0);
     Sampler sampler;
     sampler_start_neighbour(&sampler, site->stream->seed, site->x, site->y, number);
-    Ray ray;
-    if (!sample_ray(r, site, &sampler, &ray)) {
+    FilmRay film;
+    if (!sample_ray(r, site, &sampler, &film)) {
         return lamps;
     }
-    const Rgb radiance = (apart ? r->integrator->rest
-                                : r->integrator->radiance)(r->world, &ray, &sampler, aov, stats);
+    const Rgb radiance = radiance_along(r, site, &film, apart, &sampler, aov, stats);
     if (aov && aov->object != 0) {
         aov->depth = camera_depth(&r->camera, aov->position);
     }
-    return rgb_add(lamps, checked(radiance, stats));
+    return rgb_add(lamps, radiance);
 }
 
 static void add_sample(FilmPixel *pixel, const Site *site, Rgb radiance)
@@ -167,9 +192,13 @@ static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, uint3
     return from;
 }
 
-static void keep_block(Film *film, const Site *site, uint32_t block, const PixelSums *sums)
+static void keep_block(Renderer *r, const Site *site, uint32_t block, const PixelSums *sums)
 {
+    Film *film = &r->film;
     const size_t at = block * film_pixel_count(film) + site->at;
+    if (site->stream->window) {
+        share_keep(r, site->stream->window, site->x, site->y);
+    }
     if (!site->stream->keeps_blocks) {
         return;
     }
@@ -194,7 +223,7 @@ static bool extend_first_block(Renderer *r, const Site *site, uint32_t end, Tile
     if (stream->aovs) {
         stream->aovs[site->at] = sums.aov;
     }
-    keep_block(&r->film, site, 0, &sums);
+    keep_block(r, site, 0, &sums);
     return whole;
 }
 
@@ -206,13 +235,16 @@ static bool add_block(Renderer *r, const Site *site, uint32_t end, TileCount *co
     PixelSums sums = {.color = {.samples = 0}};
     const uint32_t begin = stream->pixels[site->at].samples;
     if (take_samples(r, site, begin, end, &sums, count) != end) {
+        if (stream->window) {
+            share_drop(stream->window);
+        }
         return false;
     }
     film_pixel_join(&stream->pixels[site->at], &sums.color);
     if (stream->aovs) {
         film_aov_join(&stream->aovs[site->at], &sums.aov);
     }
-    keep_block(&r->film, site, begin / SAMPLE_BLOCK, &sums);
+    keep_block(r, site, begin / SAMPLE_BLOCK, &sums);
     return true;
 }
 

@@ -130,7 +130,7 @@ static bool prepare(Renderer *r, DiagSink *sink)
         !lamp_marks(r->world, &r->camera, width, height, r->filter.width / 2, &r->lamp_marks)) {
         return no_memory(r, sink);
     }
-    return caustics_begin(r, sink);
+    return share_begin(r) ? caustics_begin(r, sink) : no_memory(r, sink);
 }
 
 Renderer *renderer_new(const Scene *scene, const RenderOptions *options, DiagSink *sink)
@@ -165,6 +165,7 @@ void renderer_free(Renderer *r)
 {
     if (r) {
         caustics_end(r);
+        share_end(r);
         if (!r->options.world) {
             world_free(r->world);
         }
@@ -274,27 +275,33 @@ static bool render_streams(Renderer *r, uint32_t x, uint32_t y, TileCount *count
     return go_on;
 }
 
-static bool render_pixel(Renderer *r, uint32_t x, uint32_t y, TileCount *count)
+static bool render_pixel(Renderer *r, uint32_t x, uint32_t y, ShareWindow *window, TileCount *count)
 {
     if (r->rule) {
         return render_streams(r, x, y, count);
     }
-    const PixelStream stream = {r->film.pixels, r->film.aovs, r->seed, true, r->caustics.pixels[0]};
+    const PixelStream stream = {.pixels = r->film.pixels,
+                                .aovs = r->film.aovs,
+                                .seed = r->seed,
+                                .keeps_blocks = true,
+                                .caustics = r->caustics.pixels[0],
+                                .window = window};
     return pixel_render(r, &stream, x, y, count);
 }
 
 static void render_tile(void *context, uint64_t item, unsigned worker)
 {
-    (void)worker;
     Renderer *r = context;
     const Tile tile = tile_at(&r->tiles, item);
+    ShareWindow *window = share_open(r, worker, &tile);
     TileCount count = {.samples = 0};
     bool go_on = true;
     for (uint32_t y = tile.y0; go_on && y < tile.y1; ++y) {
         for (uint32_t x = tile.x0; go_on && x < tile.x1; ++x) {
-            go_on = render_pixel(r, x, y, &count);
+            go_on = render_pixel(r, x, y, window, &count);
         }
     }
+    share_close(r, window);
     add_count(r, &count);
     renderer_tick(r);
 }

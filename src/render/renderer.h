@@ -9,6 +9,7 @@
 #include "render/filter.h"
 #include "render/lamps.h"
 #include "render/render.h"
+#include "render/share.h"
 #include "render/tiles.h"
 #include "render/world.h"
 
@@ -25,6 +26,7 @@ struct Renderer {
     uint8_t *lamp_marks;              // LampMark, by pixel; a pixel's is its tile's to settle; NULL
     Photons *photons;                 // that are traced for this picture; NULL: none
     CausticFilm caustics;             // of the streams, for the samples of the present pass
+    Sharing sharing;                  // of light among pixels
     TileList tiles;
     Film film;
     const StopRule *rule;   // or NULL
@@ -75,6 +77,7 @@ typedef struct PixelStream {
     uint32_t seed;
     bool keeps_blocks;            // the film's blocks are kept apart, too (film.h)
     const CausticPixel *caustics; // that each sample adds; NULL: nothing
+    ShareWindow *window;          // of the present tile; NULL: pixels share nothing
 } PixelStream;
 
 // Brings one pixel of a stream to r->target samples. False after a stop.

@@ -126,6 +126,8 @@ static CheckpointNumbers numbers_of(const Renderer *r, uint64_t more)
         .bad_samples = atomic_load(&r->bad_samples),
         .more = more,
         .seconds = r->render_seconds,
+        .quantum = r->film.quantum,
+        .reach = r->film.reach,
     };
 }
 
@@ -188,7 +190,7 @@ static CheckpointResult check_head(const Renderer *r, const Checkpoint *checkpoi
         return is_other(reason, name, there ? there : "none", here ? here : "none");
     }
     if (n->width != r->film.width || n->height != r->film.height ||
-        n->aovs != (r->film.aovs != NULL)) {
+        n->aovs != (r->film.aovs != NULL) || n->reach != r->film.reach) {
         return is_other(reason, "size", "its own", id.size); // it contradicts itself
     }
     if (!range_fits(r, n)) {
@@ -232,6 +234,9 @@ static CheckpointResult check_samples(const Renderer *r, const CheckpointNumbers
 
 static void take_numbers(Renderer *r, const CheckpointNumbers *n)
 {
+    if (r->film.gains) {
+        r->film.quantum = n->quantum; // another processor's may differ
+    }
     atomic_store(&r->rays, n->rays);
     atomic_store(&r->shadow_rays, n->shadow_rays);
     atomic_store(&r->samples_done, n->samples_taken);

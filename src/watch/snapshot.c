@@ -17,9 +17,10 @@ typedef struct ErrorSums {
     uint64_t count; // of pixels with a known variance
 } ErrorSums;
 
-static void take_pixel(Snapshot *to, size_t p, const FilmPixel *pixel, ErrorSums *sums)
+static void take_pixel(Snapshot *to, const Film *film, size_t p, ErrorSums *sums)
 {
-    Rgb mean = film_mean(pixel);
+    const FilmPixel *pixel = &film->pixels[p];
+    Rgb mean = film_color(film, p);
     to->radiance[3 * p] = mean.r;
     to->radiance[3 * p + 1] = mean.g;
     to->radiance[3 * p + 2] = mean.b;
@@ -54,7 +55,7 @@ static void take_film(Snapshot *to, const Film *film, const Snapshot *under)
             if (film->pixels[p].samples == 0 && under) {
                 take_from_under(to, x, y, under);
             } else {
-                take_pixel(to, p, &film->pixels[p], &sums);
+                take_pixel(to, film, p, &sums);
             }
         }
     }

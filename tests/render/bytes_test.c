@@ -43,6 +43,8 @@ static bool same(const Renderer *a, const Renderer *b)
     const Film *x = renderer_film(a), *y = renderer_film(b);
     const size_t n = film_pixel_count(x);
     return n == film_pixel_count(y) && memcmp(x->pixels, y->pixels, n * sizeof *x->pixels) == 0 &&
+           !x->gains == !y->gains &&
+           (!x->gains || memcmp(x->gains, y->gains, n * sizeof *x->gains) == 0) &&
            (!x->aovs || memcmp(x->aovs, y->aovs, n * sizeof *x->aovs) == 0);
 }
 

@@ -29,12 +29,15 @@ typedef struct Path {
     IntegratorStats *stats;
     Rgb throughput; // of the path so far
     Rgb radiance;   // found so far
+    Rgb indirect;   // of that, what came by chance from beyond the first surface (share.h)
     int64_t depth;  // scatterings so far
     int64_t spread; // those by smooth lobes
     float squeeze;  // radiance here over radiance at the camera, by indices of refraction alone
     // How the present ray's direction was chosen, for the weight of light that it hits.
     float pdf;              // by solid angle
     bool certain;           // by the camera or a delta lobe: no light sampling competes
+    bool chosen;            // some scattering so far was one of several that might have been
+    bool far;               // that is so of what led to the present surface
     bool smooth_first;      // a smooth lobe is what the camera sees
     bool photons_find;      // what traced lights emit along it is found by photons (photons.h)
     bool lamps_apart;       // what lights emit along the camera's ray isn't wanted
@@ -65,6 +68,9 @@ static void add_radiance(Path *path, Rgb radiance, float weight)
         part = rgb(fminf(part.r, clamp), fminf(part.g, clamp), fminf(part.b, clamp));
     }
     path->radiance = rgb_add(path->radiance, part);
+    if (path->far) {
+        path->indirect = rgb_add(path->indirect, part);
+    }
 }
 
 // The weight of light that the present ray hit, which light sampling would have found with
@@ -331,6 +337,7 @@ static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *
         }
         ++path->depth;
         path->spread += !(s.lobes & LOBE_DELTA);
+        path->chosen |= !(s.lobes & LOBE_DELTA) || s.pdf < 1;
         if (world->photon_lights) {
             leave_to_photons(path, point->surface, material, s.lobes);
         }
@@ -487,6 +494,7 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         if (arrival == ARRIVED_HIDDEN) {
             continue;
         }
+        path->far = path->chosen;
         const bool last = path->depth >= world->bounces;
         if (last && !(aov && i == 0)) {
             if (!pass_on(path, material, &surface, &ray)) {
@@ -533,10 +541,11 @@ static void begin(Path *path, const World *world, Sampler *sampler, IntegratorSt
     path->sampler = sampler;
     path->stats = stats;
     path->throughput = rgb_gray(1);
-    path->radiance = rgb_gray(0);
+    path->radiance = path->indirect = rgb_gray(0);
     path->depth = path->spread = 0;
     path->squeeze = 1;
     path->certain = true;
+    path->chosen = path->far = false;
     path->smooth_first = path->photons_find = path->lamps_apart = false;
     path->lamps = LAMPS_ALL;
     if (world->media) {
@@ -571,14 +580,16 @@ static Rgb lamps(const World *world, const Ray *ray, Sampler *sampler, Integrato
     return found(&path);
 }
 
-static Rgb rest(const World *world, const Ray *ray, Sampler *sampler, AovSample *aov,
-                IntegratorStats *stats)
+static Rgb for_film(const World *world, const Ray *ray, Sampler *sampler, bool lamps_apart,
+                    AovSample *aov, Rgb *indirect, IntegratorStats *stats)
 {
     Path path;
     begin(&path, world, sampler, stats);
-    path.lamps_apart = true;
+    path.lamps_apart = lamps_apart;
     trace(&path, *ray, aov);
-    return found(&path);
+    const Rgb all = found(&path);
+    *indirect = rgb_is_black(all) ? rgb_gray(0) : path.indirect; // a bad one has none
+    return all;
 }
 
 const IntegratorClass path_integrator = {
@@ -601,6 +612,6 @@ const IntegratorClass path_integrator = {
         "ambient: 0.15 } }",
     .radiance = radiance,
     .lamps = lamps,
-    .rest = rest,
+    .for_film = for_film,
     .photons = true,
 };

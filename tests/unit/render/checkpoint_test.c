@@ -73,10 +73,11 @@ static const CheckpointText texts[] = {
 
 enum { W = 3, H = 2, PART_FIRST = 128, PART_SAMPLES = 100 };
 
-// A part with layers: all four arrays are there.
+// A part with layers that shares: all five arrays are there.
 static void fill_part(Film *film)
 {
     assert_true(film_init(film, W, H, PART_FIRST, PART_SAMPLES, true));
+    assert_true(film_share(film, 0x1p-30, 2));
     uint32_t next = 1;
     for (size_t p = 0; p < W * H; ++p) {
         for (uint32_t i = 0; i < PART_SAMPLES; ++i) {
@@ -87,6 +88,7 @@ static void fill_part(Film *film)
         }
         film->blocks[p] = film->pixels[p];
         film->aov_blocks[p] = film->aovs[p];
+        film->gains[p] = (FilmGain){{next, -(int64_t)next, -(INT64_C(1) << 50)}};
     }
     film->samples_done = PART_SAMPLES;
 }
@@ -102,7 +104,9 @@ static CheckpointNumbers numbers_of(const Film *film)
                                .block_count = film->block_count,
                                .aovs = 1,
                                .rays = UINT64_C(1) << 40,
-                               .seconds = 1.25};
+                               .seconds = 1.25,
+                               .quantum = film->quantum,
+                               .reach = film->reach};
 }
 
 static void write_part(const char *name)
@@ -128,6 +132,7 @@ static CheckpointResult read_any(const char *name)
         const CheckpointNumbers *n = &checkpoint.numbers;
         Film film;
         assert_true(film_init(&film, n->width, n->height, n->first_sample, n->samples, n->aovs));
+        assert_true(n->quantum == 0 || film_share(&film, n->quantum, n->reach));
         result =
             checkpoint_read_film(&checkpoint, &film, (CheckpointMore){0}, message, sizeof message);
         film_free(&film);
@@ -158,6 +163,7 @@ static void what_was_written_comes_back(void **state)
     const CheckpointNumbers numbers = numbers_of(&film);
     assert_memory_equal(&c.numbers, &numbers, sizeof numbers);
     assert_true(film_init(&read, W, H, PART_FIRST, PART_SAMPLES, true));
+    assert_true(film_share(&read, c.numbers.quantum, c.numbers.reach));
     assert_int_equal(checkpoint_read_film(&c, &read, (CheckpointMore){0}, message, sizeof message),
                      CHECKPOINT_SOUND);
     assert_int_equal(read.samples_done, PART_SAMPLES);
@@ -167,6 +173,7 @@ static void what_was_written_comes_back(void **state)
     assert_memory_equal(film.blocks, read.blocks, (size_t)2 * W * H * sizeof *film.blocks);
     assert_memory_equal(film.aov_blocks, read.aov_blocks,
                         (size_t)2 * W * H * sizeof *film.aov_blocks);
+    assert_memory_equal(film.gains, read.gains, W * H * sizeof *film.gains);
     checkpoint_close(&c);
     film_free(&film);
     film_free(&read);
@@ -322,7 +329,8 @@ static bool same_film(const Film *a, const Film *b)
     const size_t n = film_pixel_count(a), blocks = n * a->block_count;
     return n == film_pixel_count(b) && a->samples_done == b->samples_done &&
            a->block_count == b->block_count &&
-           memcmp(a->pixels, b->pixels, n * sizeof *a->pixels) == 0 &&
+           memcmp(a->pixels, b->pixels, n * sizeof *a->pixels) == 0 && !a->gains == !b->gains &&
+           (!a->gains || memcmp(a->gains, b->gains, n * sizeof *a->gains) == 0) &&
            memcmp(a->aovs, b->aovs, n * sizeof *a->aovs) == 0 &&
            (blocks == 0 || memcmp(a->blocks, b->blocks, blocks * sizeof *a->blocks) == 0);
 }

@@ -135,8 +135,9 @@ static bool same_film(const Film *a, const Film *b)
 {
     const size_t n = film_pixel_count(a);
     return n == film_pixel_count(b) && a->samples_done == b->samples_done &&
-           memcmp(a->pixels, b->pixels, n * sizeof *a->pixels) == 0 && !a->aovs == !b->aovs &&
-           (!a->aovs || memcmp(a->aovs, b->aovs, n * sizeof *a->aovs) == 0);
+           memcmp(a->pixels, b->pixels, n * sizeof *a->pixels) == 0 && !a->gains == !b->gains &&
+           (!a->gains || memcmp(a->gains, b->gains, n * sizeof *a->gains) == 0) &&
+           !a->aovs == !b->aovs && (!a->aovs || memcmp(a->aovs, b->aovs, n * sizeof *a->aovs) == 0);
 }
 
 // --- Bytes
