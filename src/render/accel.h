@@ -118,26 +118,33 @@ static inline Ray surface_ray(const Surface *surface, Vec3 origin, Vec3 directio
     return ray;
 }
 
+// The surface's point, moved to the side that `side` has the sign of. No branch: of a scene's
+// surfaces, chance takes either side.
+static inline Vec3 surface_beside(const Surface *surface, double side)
+{
+    return add_scaled(surface->p, surface->geometric,
+                      copysign(SPAWN_FACTOR * surface->error, side));
+}
+
 static inline Ray surface_spawn(const Surface *surface, Vec3 direction)
 {
-    const bool front = dot(direction, surface->geometric) >= 0;
-    const double offset = SPAWN_FACTOR * surface->error;
-    const Vec3 origin = add_scaled(surface->p, surface->geometric, front ? offset : -offset);
-    return surface_ray(surface, origin, direction, INFINITY, front);
+    const double side = dot(direction, surface->geometric);
+    return surface_ray(surface, surface_beside(surface, side), direction, INFINITY, side >= 0);
 }
 
 static inline Ray surface_spawn_to(const Surface *surface, Vec3 target, double distance,
                                    double target_error, double facing)
 {
-    const bool front = dot(sub(target, surface->p), surface->geometric) >= 0;
+    const double side = dot(sub(target, surface->p), surface->geometric);
     const double offset = SPAWN_FACTOR * surface->error;
-    const Vec3 origin = add_scaled(surface->p, surface->geometric, front ? offset : -offset);
+    const Vec3 origin = surface_beside(surface, side);
     const Vec3 way = sub(target, origin);
     // But for the offset, the length is known.
     const double size = distance < 0x1p26 * offset ? length(way) : distance;
     const Vec3 direction = size > 0 ? scale(way, 1 / size) : surface->geometric;
     const double margin = offset + SPAWN_FACTOR * target_error + 1e-9 * size;
-    Ray ray = surface_ray(surface, origin, renormalize(direction), larger(0, size - margin), front);
+    Ray ray =
+        surface_ray(surface, origin, renormalize(direction), larger(0, size - margin), side >= 0);
     ray.ends.facing = (float)facing;
     return ray;
 }

@@ -50,6 +50,14 @@ typedef struct LightReceiver {
     Vec3 normal; // unit: only light from its side counts; (0, 0, 0): light from all around does
 } LightReceiver;
 
+// Whether all of a light's points lie where no light counts. Infinite lights have no points.
+static inline bool light_is_behind(const Light *light, const LightReceiver *at)
+{
+    const Vec3 center = box3_center(light->bounds);
+    const Vec3 half = sub(light->bounds.max, center);
+    return dot(at->normal, sub(center, at->p)) + dot(vec3_abs(at->normal), half) < 0;
+}
+
 // What reaches a reference point from a light, were nothing in between.
 typedef struct LightSample {
     Vec3 direction;  // unit, from the reference point

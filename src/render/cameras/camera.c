@@ -113,12 +113,11 @@ bool camera_ray(const Camera *camera, double x, double y, float lens_u, float le
     if (!local_ray(camera, x, y, lens_u, lens_v, &origin, &direction)) {
         return false;
     }
-    *ray = (Ray){
-        .origin = transform_point(&camera->to_world, origin),
-        .direction = normalize(transform_vector(&camera->to_world, direction)),
-        .tmin = 0,
-        .tmax = INFINITY,
-    };
+    ray->origin = transform_point(&camera->to_world, origin);
+    ray->direction = normalize(transform_vector(&camera->to_world, direction));
+    ray->tmin = 0;
+    ray->tmax = INFINITY;
+    memset(&ray->ends, 0, sizeof ray->ends); // of all at once, it would be one slow instruction
     return true;
 }
 

@@ -7,6 +7,7 @@
 // can find the light at all: the mean stays the same.
 #include "render/casters.h"
 #include "render/integrators/surface_hit.h"
+#include "render/materials/lambert.h"
 
 // Numbers of the sampler for each surface, two sets of four: two on the light, choice of the light
 // and of its part; two for the direction, choice of the lobe, roulette.
@@ -34,16 +35,18 @@ typedef struct Path {
     int64_t spread; // those by smooth lobes
     float squeeze;  // radiance here over radiance at the camera, by indices of refraction alone
     // How the present ray's direction was chosen, for the weight of light that it hits.
-    float pdf;              // by solid angle
-    bool certain;           // by the camera or a delta lobe: no light sampling competes
-    bool chosen;            // some scattering so far was one of several that might have been
-    bool far;               // that is so of what led to the present surface
-    bool smooth_first;      // a smooth lobe is what the camera sees
-    bool photons_find;      // what traced lights emit along it is found by photons (photons.h)
-    bool lamps_apart;       // what lights emit along the camera's ray isn't wanted
-    LampWays lamps;         // see add_mirrored
-    LightReceiver receiver; // where it was chosen
-    MediumStack media;      // the transparent bodies that the present ray is in
+    float pdf;         // by solid angle
+    bool certain;      // by the camera or a delta lobe: no light sampling competes
+    bool chosen;       // some scattering so far was one of several that might have been
+    bool far;          // that is so of what led to the present surface
+    bool smooth_first; // a smooth lobe is what the camera sees
+    bool photons_find; // what traced lights emit along it is found by photons (photons.h)
+    bool lamps_apart;  // what lights emit along the camera's ray isn't wanted
+    LampWays lamps;    // see add_mirrored
+    // Where it was chosen is one of these; the other is for where the next one will be.
+    LightReceiver receivers[2];
+    unsigned chosen_at;
+    MediumStack media; // the transparent bodies that the present ray is in
 } Path;
 
 // The numbers of one surface, drawn together so that their dimensions are fixed.
@@ -54,6 +57,15 @@ typedef union SurfaceNumbers {
     float all[DIMENSIONS_PER_SURFACE];
 } SurfaceNumbers;
 enum { LIGHT = 2, LIGHT_PART = 3 }; // dimensions of the choices that may need more than 24 bits
+
+static inline const LightReceiver *chosen_at(const Path *path)
+{
+    return &path->receivers[path->chosen_at];
+}
+static inline LightReceiver *next_receiver(Path *path)
+{
+    return &path->receivers[path->chosen_at ^ 1];
+}
 
 static inline double finer(const Path *path, float coarse, uint32_t dimension)
 {
@@ -93,12 +105,12 @@ static float hit_weight(const Path *path, float light_pdf)
 static float hit_light_pdf(const Path *path, uint32_t index, Vec3 direction, const Surface *hit)
 {
     const World *world = path->world;
-    float chance = path->certain ? 0 : light_chance(world->lights, &path->receiver, index);
+    float chance = path->certain ? 0 : light_chance(world->lights, chosen_at(path), index);
     if (!(chance > 0)) {
         return 0;
     }
     const Light *light = light_set_get(world->lights, index);
-    return chance * light->class->pdf(world, light, path->receiver.p, direction, hit);
+    return chance * light->class->pdf(world, light, chosen_at(path)->p, direction, hit);
 }
 
 // Whether emission that the present ray meets is another's to find.
@@ -121,7 +133,7 @@ static void add_escaped(Path *path, Vec3 direction)
             continue;
         }
         float chance =
-            path->certain ? 0 : light_chance(world->lights, &path->receiver, infinite[i]);
+            path->certain ? 0 : light_chance(world->lights, chosen_at(path), infinite[i]);
         float pdf = 0;
         Rgb radiance = light->class->escaped(world, light, direction, chance > 0 ? &pdf : NULL);
         add_radiance(path, radiance, hit_weight(path, chance * pdf));
@@ -132,7 +144,7 @@ static void add_escaped(Path *path, Vec3 direction)
 static bool is_small(const Path *path, const Light *light)
 {
     const double most = 0.15; // of the distance: the radius
-    const Vec3 way = sub(box3_center(light->bounds), path->receiver.p);
+    const Vec3 way = sub(box3_center(light->bounds), chosen_at(path)->p);
     const Vec3 size = sub(light->bounds.max, light->bounds.min);
     return length_squared(size) / 4 < most * most * length_squared(way);
 }
@@ -175,8 +187,7 @@ static bool light_passed(Path *path, const ShadingPoint *point, Vec3 wi, const R
 }
 
 // Chooses a light, and a direction to it; `dimension` is that of the first of the numbers.
-static inline bool choose_direction(const Path *path, const Surface *surface,
-                                    const LightReceiver *receiver, const SurfaceNumbers *n,
+static inline bool choose_direction(Path *path, const Surface *surface, const SurfaceNumbers *n,
                                     uint32_t dimension, float *chance, LightSample *out)
 {
     const World *world = path->world;
@@ -184,12 +195,15 @@ static inline bool choose_direction(const Path *path, const Surface *surface,
     *chance = 1;
     if (index == NONE_ID) {
         const double u = finer(path, n->light, dimension + LIGHT);
-        index = light_choose(world->lights, receiver, u, chance);
+        index = light_choose(world->lights, next_receiver(path), u, chance);
         if (index == NONE_ID) {
             return false;
         }
     }
     const Light *light = &world->light_items[index];
+    if (light_is_behind(light, next_receiver(path))) {
+        return false; // told soon, a third of surfaces cost little; else by the material
+    }
     const double part =
         light->parts ? finer(path, n->light_part, dimension + LIGHT_PART) : (double)n->light_part;
     return light->class->sample(world, light, surface->p, (double)n->light_u, (double)n->light_v,
@@ -208,21 +222,49 @@ static inline float guided_pdf(const GuideCell *cell, Vec3 p, Vec3 direction, fl
     return (1 - part) * bsdf + part * guide_pdf(cell, p, direction);
 }
 
+// The material's choices; the commonest material without calls, its numbers in registers.
+static inline bool is_plain_lambert(const ShadingPoint *point, const WorldMaterial *material)
+{
+    return material->class == &lambert_material && !point->bent;
+}
+
+static inline BsdfEval evaluate(const ShadingPoint *point, const WorldMaterial *material, Vec3 wi)
+{
+    if (is_plain_lambert(point, material)) {
+        return lambert_eval(point, material->params, wi);
+    }
+    BsdfEval out;
+    material_evaluate(point, material, wi, &out);
+    return out;
+}
+
+// Of density 0: none.
+static inline BsdfSample choose(const ShadingPoint *point, const WorldMaterial *material,
+                                const SurfaceNumbers *n)
+{
+    if (is_plain_lambert(point, material)) {
+        return lambert_sample(point, material->params, n->u, n->v);
+    }
+    BsdfSample out;
+    if (!material_choose(point, material, n->lobe, n->u, n->v, &out)) {
+        out.pdf = 0;
+    }
+    return out;
+}
+
 // Light sampling: one direction to one light.
 static void add_direct(Path *path, const ShadingPoint *point, const WorldMaterial *material,
-                       const LightReceiver *receiver, const GuideCell *cell,
-                       const SurfaceNumbers *n, uint32_t dimension)
+                       const GuideCell *cell, const SurfaceNumbers *n, uint32_t dimension)
 {
     const World *world = path->world;
     const Surface *surface = point->surface;
     float chance;
     LightSample s;
-    if (!choose_direction(path, surface, receiver, n, dimension, &chance, &s)) {
+    if (!choose_direction(path, surface, n, dimension, &chance, &s)) {
         return;
     }
     const Vec3 wi = to_local(&point->frame, s.direction);
-    BsdfEval bsdf;
-    material_evaluate(point, material, wi, &bsdf);
+    const BsdfEval bsdf = evaluate(point, material, wi);
     if (rgb_is_black(bsdf.value)) {
         return;
     }
@@ -272,33 +314,36 @@ static bool last_ray_needed(const World *world)
 
 // Chooses a direction by the material or by the cell, as if they were one (Veach and Guibas 1995,
 // one-sample model, balance heuristic).
-static bool choose_guided(const ShadingPoint *point, const WorldMaterial *material,
-                          const GuideCell *cell, const SurfaceNumbers *n, BsdfSample *out)
+static BsdfSample choose_guided(const ShadingPoint *point, const WorldMaterial *material,
+                                const GuideCell *cell, const SurfaceNumbers *n)
 {
+    BsdfSample out;
     const Vec3 p = point->surface->p;
     const float part = GUIDE_PART;
     if (n->lobe < part) {
         const Vec3 direction = guide_sample(cell, p, n->lobe / part, n->u, n->v);
         BsdfEval bsdf;
-        out->wi = to_local(&point->frame, direction);
-        material_evaluate(point, material, out->wi, &bsdf);
-        out->pdf = guided_pdf(cell, p, direction, bsdf.pdf);
-        out->weight = rgb_scale(bsdf.value, 1 / out->pdf);
-        out->eta = 1;
-        out->lobes = LOBE_REFLECT | LOBE_SMOOTH;
-        return out->pdf > 0 && out->pdf < INFINITY;
+        out.wi = to_local(&point->frame, direction);
+        material_evaluate(point, material, out.wi, &bsdf);
+        out.pdf = guided_pdf(cell, p, direction, bsdf.pdf);
+        out.weight = rgb_scale(bsdf.value, 1 / out.pdf);
+        out.eta = 1;
+        out.lobes = LOBE_REFLECT | LOBE_SMOOTH;
+        out.pdf = out.pdf < INFINITY ? out.pdf : 0;
+        return out;
     }
     const float lobe = fminf((n->lobe - part) / (1 - part), 0x1.fffffep-1F);
-    if (!material_choose(point, material, lobe, n->u, n->v, out)) {
-        return false;
+    if (!material_choose(point, material, lobe, n->u, n->v, &out)) {
+        out.pdf = 0;
+        return out;
     }
-    float pdf = (1 - part) * out->pdf; // of a delta lobe a chance
-    if (!(out->lobes & LOBE_DELTA)) {
-        pdf = guided_pdf(cell, p, from_local(&point->frame, out->wi), out->pdf);
+    float pdf = (1 - part) * out.pdf; // of a delta lobe a chance
+    if (!(out.lobes & LOBE_DELTA)) {
+        pdf = guided_pdf(cell, p, from_local(&point->frame, out.wi), out.pdf);
     }
-    out->weight = rgb_scale(out->weight, out->pdf / pdf);
-    out->pdf = pdf;
-    return true;
+    out.weight = rgb_scale(out.weight, out.pdf / pdf);
+    out.pdf = pdf;
+    return out;
 }
 
 // Whether what traced lights emit along the next ray is left to photons.
@@ -315,13 +360,10 @@ static void leave_to_photons(Path *path, const Surface *surface, const WorldMate
 
 // Chooses the next ray, and by which lobes; false where the path ends.
 static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *material,
-                    const LightReceiver *receiver, const GuideCell *cell, const SurfaceNumbers *n,
-                    Ray *ray, uint32_t *lobes)
+                    BsdfSample s, float number, Ray *ray, uint32_t *lobes)
 {
     const World *world = path->world;
-    BsdfSample s;
-    if (cell ? !choose_guided(point, material, cell, n, &s)
-             : !material_choose(point, material, n->lobe, n->u, n->v, &s)) {
+    if (!(s.pdf > 0)) {
         return false;
     }
     *lobes = s.lobes;
@@ -341,11 +383,10 @@ static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *
         if (world->photon_lights) {
             leave_to_photons(path, point->surface, material, s.lobes);
         }
-        if ((path->depth == world->bounces && !last_ray_needed(world)) ||
-            !roulette(path, n->roulette)) {
+        if ((path->depth == world->bounces && !last_ray_needed(world)) || !roulette(path, number)) {
             return false;
         }
-        path->receiver = *receiver;
+        path->chosen_at ^= 1;
         path->pdf = s.pdf;
         path->certain = s.lobes & LOBE_DELTA;
         direction = renormalize(from_local(&point->frame, s.wi));
@@ -446,8 +487,7 @@ static void trace_lamps(Path *path, Ray ray)
 // of the surface that is seen first are looked along, for the sake of such lamps alone; what is
 // wide may be as bright by way of all lobes, and a choice between these is then no noise. False
 // where the one that the path takes will do, or they aren't known.
-static bool add_mirrored(Path *path, const ShadingPoint *point, const WorldMaterial *material,
-                         const LightReceiver *receiver)
+static bool add_mirrored(Path *path, const ShadingPoint *point, const WorldMaterial *material)
 {
     const World *world = path->world;
     BsdfSample lobes[DELTA_ROOM];
@@ -461,7 +501,7 @@ static bool add_mirrored(Path *path, const ShadingPoint *point, const WorldMater
         seen.lamps_apart = false;
         seen.lamps = LAMPS_SMALL;
         seen.certain = true;
-        seen.receiver = *receiver;
+        seen.chosen_at ^= 1;
         seen.depth = 1;
         seen.radiance = rgb_gray(0);
         seen.throughput = rgb_mul(path->throughput, lobes[i].weight);
@@ -483,6 +523,9 @@ static void trace(Path *path, Ray ray, AovSample *aov)
     const World *world = path->world;
     uint32_t dimension = path->sampler->dimension;
     for (int64_t i = 0; i < world->bounces + MAX_PASSES; ++i) {
+        const uint32_t first = dimension + (uint32_t)i * DIMENSIONS_PER_SURFACE;
+        SurfaceNumbers n;
+        sampler_eight(path->sampler, first, n.all);
         Hit hit;
         Surface surface;
         double outside;
@@ -514,20 +557,18 @@ static void trace(Path *path, Ray ray, AovSample *aov)
                 continue;
             }
         }
-        const uint32_t first = dimension + (uint32_t)i * DIMENSIONS_PER_SURFACE;
-        SurfaceNumbers n;
-        sampler_eight(path->sampler, first, n.all);
-        const LightReceiver receiver = surface_receiver(&point, material->lobes);
+        *next_receiver(path) = surface_receiver(&point, material->lobes);
         const GuideCell *cell =
             is_guided(path, material) ? guide_find(world->guide, surface.p) : NULL;
+        const BsdfSample chosen =
+            cell ? choose_guided(&point, material, cell, &n) : choose(&point, material, &n);
         if (material->lobes & LOBE_SMOOTH) {
-            add_direct(path, &point, material, &receiver, cell, &n, first);
+            add_direct(path, &point, material, cell, &n, first);
         }
         const bool mirrored = path->depth == 0 && material->lobes & LOBE_DELTA &&
-                              world->shape_lights &&
-                              add_mirrored(path, &point, material, &receiver);
+                              world->shape_lights && add_mirrored(path, &point, material);
         uint32_t lobes;
-        if (!scatter(path, &point, material, &receiver, cell, &n, &ray, &lobes)) {
+        if (!scatter(path, &point, material, chosen, n.roulette, &ray, &lobes)) {
             return;
         }
         const bool known = mirrored && path->depth == 1 && lobes & LOBE_DELTA;
@@ -546,6 +587,7 @@ static void begin(Path *path, const World *world, Sampler *sampler, IntegratorSt
     path->squeeze = 1;
     path->certain = true;
     path->chosen = path->far = false;
+    path->chosen_at = 0;
     path->smooth_first = path->photons_find = path->lamps_apart = false;
     path->lamps = LAMPS_ALL;
     if (world->media) {

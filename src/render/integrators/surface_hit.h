@@ -32,11 +32,8 @@ uint32_t surface_lobes(const World *world, const Surface *surface);
 static inline LightReceiver surface_receiver(const ShadingPoint *point, uint32_t lobes)
 {
     const Surface *surface = point->surface;
-    LightReceiver receiver = {.p = surface->p};
-    if (!(lobes & LOBE_TRANSMIT)) {
-        receiver.normal = point->wo_side > 0 ? surface->geometric : neg(surface->geometric);
-    }
-    return receiver;
+    const double side = lobes & LOBE_TRANSMIT ? 0 : copysign(1, point->wo_side);
+    return (LightReceiver){surface->p, scale(surface->geometric, side)};
 }
 // The part of light that arrives along the shadow ray to a light in direction wi (of the frame),
 // through what the ray to the point was in, or what it is in beyond the surface.

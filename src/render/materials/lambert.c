@@ -1,7 +1,5 @@
 #include "render/materials/lambert.h"
 
-#include "render/world.h"
-
 const Lambert lambert_default = {{{0.5f, 0.5f, 0.5f}, NONE_ID}};
 const Lambert lambert_black = {{{0, 0, 0}, NONE_ID}};
 
@@ -17,8 +15,7 @@ static const Param PARAMS[] = {
 
 static Rgb albedo(const ShadingPoint *point, const void *params)
 {
-    const Lambert *lambert = params;
-    return reflectance_tex(point->world->textures, &lambert->color, point->surface);
+    return lambert_albedo(point, params);
 }
 
 static uint32_t lobes(const World *world, const void *params)
@@ -27,28 +24,17 @@ static uint32_t lobes(const World *world, const void *params)
     return LOBE_REFLECT | LOBE_SMOOTH;
 }
 
-// f = k/π on both sides; pdf = cos/π.
-static BsdfEval eval(const ShadingPoint *point, const void *params, Vec3 wi)
+static void eval(const ShadingPoint *point, const void *params, Vec3 wi, BsdfEval *out)
 {
-    if (wi.z * point->wo.z <= 0) {
-        return (BsdfEval){{0, 0, 0}, 0};
-    }
-    float pdf = (float)(fabs(wi.z) * (1 / PI));
-    return (BsdfEval){rgb_scale(albedo(point, params), pdf), pdf};
+    *out = lambert_eval(point, params, wi);
 }
 
 static bool sample(const ShadingPoint *point, const void *params, float lobe, float u, float v,
                    BsdfSample *out)
 {
     (void)lobe;
-    Vec3 wi = sample_cosine_hemisphere(u, v);
-    if (wi.z <= 0) {
-        return false;
-    }
-    float pdf = (float)(wi.z * (1 / PI));
-    wi.z = copysign(wi.z, point->wo.z);
-    *out = (BsdfSample){wi, albedo(point, params), pdf, 1, LOBE_REFLECT | LOBE_SMOOTH};
-    return true;
+    *out = lambert_sample(point, params, u, v);
+    return out->pdf > 0;
 }
 
 // Equation (5) with k_dl = 1; no ambient and no specular term.
@@ -57,8 +43,6 @@ static LocalTerms local(const ShadingPoint *point, const void *params, Vec3 l)
     double cos_l = fmax(0, copysign(1, point->wo.z) * l.z);
     return (LocalTerms){.diffuse = rgb_scale(albedo(point, params), (float)cos_l)};
 }
-
-MATERIAL_EVAL(eval)
 
 const MaterialClass lambert_material = {
     .node = {.name = "lambert",
@@ -85,7 +69,7 @@ const MaterialClass lambert_material = {
                         "  }\n"
                         "}"},
     .lobes = lobes,
-    .eval = eval_into,
+    .eval = eval,
     .sample = sample,
     .albedo = albedo,
     .local = local,
