@@ -13,7 +13,7 @@ int command_check(const Options *options)
         bool good = loading_evaluate(&loading);
         if (good) {
             light_note_laws(&loading.scene, &loading.lang.sink);
-            light_warn_enclosed(&loading.scene, &loading.lang.sink);
+            light_warn_enclosed(&loading.scene, loading.lang.threads, &loading.lang.sink);
             material_warn_open_glass(&loading.scene, &loading.lang.sink);
         }
         if (good && options->target && !report_partners(&loading, &notes)) {

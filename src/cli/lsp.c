@@ -21,7 +21,7 @@ static const uint64_t MEMORY = (uint64_t)2 << 30;
 // What a scene with no error is held to by `check`, too.
 static void check_scene(const Scene *scene, DiagSink *sink)
 {
-    light_warn_enclosed(scene, sink);
+    light_warn_enclosed(scene, 1, sink);
     material_warn_open_glass(scene, sink);
 }
 

@@ -405,7 +405,7 @@ static int run(Rendering *rendering)
 static int render(Rendering *rendering)
 {
     Loading *loading = &rendering->loading;
-    light_warn_enclosed(&loading->scene, &loading->lang.sink);
+    light_warn_enclosed(&loading->scene, loading->lang.threads, &loading->lang.sink);
     material_warn_open_glass(&loading->scene, &loading->lang.sink);
     const bool made = make_renderer(rendering);
     int code = loading_report(loading);

@@ -24,9 +24,30 @@ static void write_bounds(const AccelGroup *group, Box3 box, struct RTCBounds *ou
     *out = (struct RTCBounds){lower[0], lower[1], lower[2], 0, upper[0], upper[1], upper[2], 0};
 }
 
+static void bounds_balls(const BallRun *balls, struct RTCBounds *out)
+{
+    // Single precision has brought the balls out of their places by less than what is added.
+    const float margin = (float)(BOX_MARGIN + 0x1p-21);
+    *out = (struct RTCBounds){INFINITY, INFINITY, INFINITY, 0, -INFINITY, -INFINITY, -INFINITY, 0};
+    for (int i = 0; i < RUN_LONGEST && balls->radius[i] >= 0; ++i) {
+        const float reach = balls->radius[i] + margin;
+        const float x = balls->x[i], y = balls->y[i], z = balls->z[i];
+        out->lower_x = x - reach < out->lower_x ? x - reach : out->lower_x;
+        out->lower_y = y - reach < out->lower_y ? y - reach : out->lower_y;
+        out->lower_z = z - reach < out->lower_z ? z - reach : out->lower_z;
+        out->upper_x = x + reach > out->upper_x ? x + reach : out->upper_x;
+        out->upper_y = y + reach > out->upper_y ? y + reach : out->upper_y;
+        out->upper_z = z + reach > out->upper_z ? z + reach : out->upper_z;
+    }
+}
+
 static void bounds_shape(const struct RTCBoundsFunctionArguments *args)
 {
     const AccelKind *kind = args->geometryUserPtr;
+    if (kind->balls) {
+        bounds_balls(&kind->balls[args->primID], args->bounds_o);
+        return;
+    }
     const Scene *scene = kind->accel->scene;
     const uint32_t end = accel_run_begin(kind, args->primID + 1);
     Box3 box = box3_empty();

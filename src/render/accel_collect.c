@@ -86,7 +86,8 @@ static void sort_ids(const Scene *scene, ShapeKey *key, uint32_t key_count, cons
                      uint32_t count, uint32_t *starts, uint32_t *out)
 {
     memset(starts, 0, (key_count + 1) * sizeof *starts);
-    for (uint32_t i = 0; i < count; ++i) {
+    starts[0] = key_count == 1 ? count : 0;
+    for (uint32_t i = 0; key_count > 1 && i < count; ++i) {
         ++starts[key(scene, ids ? ids[i] : i)];
     }
     uint32_t sum = 0, used = 0;
@@ -290,73 +291,6 @@ static Box3 bounded_box(const Scene *scene, const SceneNode *node, AccelIssues *
     return box3_empty();
 }
 
-// --- All boxes ----------------------------------------------------------------------------------
-// A million shapes are looked at in pieces, by threads; what comes out of them all doesn't depend
-// on how.
-
-enum { PIECE = 1 << 14 };
-
-typedef struct Boxes {
-    const Accel *accel;
-    const uint32_t *ids; // shapes; NULL: the instances
-    uint32_t count;
-    AccelIssues *issues;
-    pthread_mutex_t mutex;
-    Box3 all;
-} Boxes;
-
-static Box3 finite_instance_box(const Accel *accel, uint32_t instance, AccelIssues *issues)
-{
-    const Box3 box = accel_instance_box(accel, instance);
-    if (box3_is_empty(box) || box_is_finite(box)) {
-        return box;
-    }
-    ++issues->not_finite;
-    return box3_empty();
-}
-
-static void add_boxes(void *context, uint64_t piece, unsigned worker)
-{
-    (void)worker;
-    Boxes *boxes = context;
-    const Scene *scene = boxes->accel->scene;
-    const uint32_t begin = (uint32_t)piece * PIECE;
-    const uint32_t end = boxes->count - begin > PIECE ? begin + PIECE : boxes->count;
-    Box3 all = box3_empty();
-    AccelIssues issues = {0, 0};
-    for (uint32_t i = begin; i < end; ++i) {
-        const Box3 box =
-            boxes->ids
-                ? bounded_box(scene, scene_node(scene, CATEGORY_SHAPE, boxes->ids[i]), &issues)
-                : finite_instance_box(boxes->accel, i, &issues);
-        if (!box3_is_empty(box)) {
-            all = box3_union(all, box);
-        }
-    }
-    pthread_mutex_lock(&boxes->mutex);
-    boxes->all = box3_union(boxes->all, all);
-    boxes->issues->not_finite += issues.not_finite;
-    pthread_mutex_unlock(&boxes->mutex);
-}
-
-static uint32_t piece_count(uint32_t count)
-{
-    return count / PIECE + (count % PIECE != 0);
-}
-
-// The box of all shapes, or (ids NULL) of all instances.
-static Box3 all_boxes(const Accel *accel, const uint32_t *ids, uint32_t count, AccelIssues *issues)
-{
-    Boxes boxes = {.accel = accel,
-                   .ids = ids,
-                   .count = count,
-                   .issues = issues,
-                   .mutex = PTHREAD_MUTEX_INITIALIZER,
-                   .all = box3_empty()};
-    parallel_for(piece_count(count), accel->threads, add_boxes, &boxes, NULL);
-    return boxes.all;
-}
-
 // --- Outliers -----------------------------------------------------------------------------------
 // A sun at its true distance would leave everything else to the last digits of single precision.
 // Where a group's shapes fall into two scales with nothing between, the smaller scale becomes a
@@ -405,51 +339,108 @@ static int reach_exponent(Box3 box, Vec3 middle)
     if (box3_is_empty(box)) {
         return 0;
     }
-    int exponent;
-    frexp(fmax(max_abs(sub(box.min, middle)), max_abs(sub(box.max, middle))), &exponent);
+    const double reach = larger(max_abs(sub(box.min, middle)), max_abs(sub(box.max, middle)));
+    uint64_t bits;
+    memcpy(&bits, &reach, sizeof bits);
+    int exponent = (int)(bits >> 52) - 1022; // as frexp has it, for what is normal
+    if (bits >> 52 == 0) {
+        frexp(reach, &exponent);
+    }
     return exponent + EXPONENT_ZERO < 0            ? 0
            : exponent + EXPONENT_ZERO >= EXPONENTS ? EXPONENTS - 1
                                                    : exponent + EXPONENT_ZERO;
 }
 
+// --- All boxes ----------------------------------------------------------------------------------
+// A million shapes are looked at in pieces, by threads; what comes out of them all doesn't depend
+// on how.
+
+enum { PIECE = 1 << 14 };
+
+// How many shapes reach how far from a middle: by reach_exponent.
 typedef struct Reaches {
-    const Scene *scene;
-    const uint32_t *ids;
-    uint32_t count;
     Vec3 middle;
     _Atomic uint32_t histogram[EXPONENTS];
 } Reaches;
 
-static void add_reaches(void *context, uint64_t piece, unsigned worker)
+typedef struct Boxes {
+    const Accel *accel;
+    const uint32_t *ids; // shapes; NULL: the instances
+    uint32_t count;
+    AccelIssues *issues;
+    Reaches *reaches; // or NULL
+    pthread_mutex_t mutex;
+    Box3 all;
+} Boxes;
+
+static Box3 finite_instance_box(const Accel *accel, uint32_t instance, AccelIssues *issues)
+{
+    const Box3 box = accel_instance_box(accel, instance);
+    if (box3_is_empty(box) || box_is_finite(box)) {
+        return box;
+    }
+    ++issues->not_finite;
+    return box3_empty();
+}
+
+static void add_boxes(void *context, uint64_t piece, unsigned worker)
 {
     (void)worker;
-    Reaches *all = context;
+    Boxes *boxes = context;
+    const Scene *scene = boxes->accel->scene;
+    Reaches *reaches = boxes->reaches;
     const uint32_t begin = (uint32_t)piece * PIECE;
-    const uint32_t end = all->count - begin > PIECE ? begin + PIECE : all->count;
+    const uint32_t end = boxes->count - begin > PIECE ? begin + PIECE : boxes->count;
+    Box3 all = box3_empty();
+    AccelIssues issues = {0, 0};
     uint32_t histogram[EXPONENTS] = {0};
-    AccelIssues ignored = {0, 0};
     for (uint32_t i = begin; i < end; ++i) {
-        const SceneNode *node = scene_node(all->scene, CATEGORY_SHAPE, all->ids[i]);
-        ++histogram[reach_exponent(bounded_box(all->scene, node, &ignored), all->middle)];
-    }
-    for (int i = 0; i < EXPONENTS; ++i) {
-        if (histogram[i]) {
-            atomic_fetch_add_explicit(&all->histogram[i], histogram[i], memory_order_relaxed);
+        const Box3 box =
+            boxes->ids
+                ? bounded_box(scene, scene_node(scene, CATEGORY_SHAPE, boxes->ids[i]), &issues)
+                : finite_instance_box(boxes->accel, i, &issues);
+        if (!box3_is_empty(box)) {
+            all = box3_union(all, box);
+        }
+        if (reaches) {
+            ++histogram[reach_exponent(box, reaches->middle)];
         }
     }
+    for (int i = 0; reaches && i < EXPONENTS; ++i) {
+        if (histogram[i]) {
+            atomic_fetch_add_explicit(&reaches->histogram[i], histogram[i], memory_order_relaxed);
+        }
+    }
+    pthread_mutex_lock(&boxes->mutex);
+    boxes->all = box3_union(boxes->all, all);
+    boxes->issues->not_finite += issues.not_finite;
+    pthread_mutex_unlock(&boxes->mutex);
+}
+
+// The box of all shapes, or (ids NULL) of all instances, and how far they reach, if that is asked.
+static Box3 all_boxes(const Accel *accel, const uint32_t *ids, uint32_t count, AccelIssues *issues,
+                      Reaches *reaches)
+{
+    Boxes boxes = {.accel = accel,
+                   .ids = ids,
+                   .count = count,
+                   .issues = issues,
+                   .reaches = reaches,
+                   .mutex = PTHREAD_MUTEX_INITIALIZER,
+                   .all = box3_empty()};
+    const uint64_t pieces = count / PIECE + (count % PIECE != 0);
+    parallel_for(pieces, accel->threads, add_boxes, &boxes, NULL);
+    return boxes.all;
 }
 
 // Brings the shapes of the largest scale to the front and returns how many they are; `count` where
 // there is but one scale. *instances: whether the world's instances belong to the smaller scale.
-static uint32_t split_outliers(const Accel *accel, uint32_t *ids, uint32_t count,
+static uint32_t split_outliers(const Scene *scene, uint32_t *ids, uint32_t count, Reaches *reaches,
                                Box3 instances_box, bool *instances)
 {
-    const Scene *scene = accel->scene;
-    const Vec3 middle = median_middle(scene, ids, count);
-    Reaches reaches = {.scene = scene, .ids = ids, .count = count, .middle = middle};
-    _Atomic uint32_t *histogram = reaches.histogram;
+    const Vec3 middle = reaches->middle;
+    _Atomic uint32_t *histogram = reaches->histogram;
     AccelIssues ignored = {0, 0};
-    parallel_for(piece_count(count), accel->threads, add_reaches, &reaches, NULL);
     const int instance_exponent = reach_exponent(instances_box, middle);
     histogram[instance_exponent] += !box3_is_empty(instances_box);
     int top = EXPONENTS - 1, below;
@@ -497,13 +488,42 @@ static bool move_array(void **out, uint32_t *out_count, const void *items, size_
     return true;
 }
 
+// The one type that all of the scene's shapes are of; NONE_ID: they are of several.
+static uint32_t only_type(const Scene *scene)
+{
+    uint32_t only = NONE_ID;
+    for (uint32_t type = 0; type < scene->schema->type_count; ++type) {
+        if (scene->schema->types[type]->category == CATEGORY_SHAPE && scene->tables[type].count) {
+            if (only != NONE_ID) {
+                return NONE_ID;
+            }
+            only = type;
+        }
+    }
+    return only;
+}
+
+// Sorts a group's shapes by their types; c->type_starts[type] is then the first of each.
+static void sort_types(Collector *c, uint32_t *ids, uint32_t count)
+{
+    const uint32_t type_count = (uint32_t)c->scene->schema->type_count;
+    const uint32_t only = only_type(c->scene);
+    if (only == NONE_ID) {
+        sort_ids(c->scene, type_key, type_count, ids, count, c->type_starts, c->sorted);
+        memcpy(ids, c->sorted, count * sizeof *ids);
+        return;
+    }
+    for (uint32_t type = 0; type <= type_count; ++type) {
+        c->type_starts[type] = type <= only ? 0 : count;
+    }
+}
+
 // The kinds of a group whose bounds are set; `inner` is a pocket that it has already, or 0.
 static bool collect_kinds(Collector *c, AccelGroup *group, uint32_t prototype, uint32_t *ids,
                           uint32_t count, uint32_t inner)
 {
     const uint32_t type_count = (uint32_t)c->scene->schema->type_count;
-    sort_ids(c->scene, type_key, type_count, ids, count, c->type_starts, c->sorted);
-    memcpy(ids, c->sorted, count * sizeof *ids);
+    sort_types(c, ids, count);
     c->kinds.count = c->group_pockets.count = 0;
     if (inner && !array_push(&c->group_pockets, inner)) {
         return false;
@@ -527,14 +547,16 @@ static bool collect_group(Collector *c, AccelGroup *group, uint32_t prototype, u
 {
     // What isn't finite is counted once.
     AccelIssues ignored = {0, 0}, *issues = nested ? &ignored : &c->accel->issues;
-    Box3 box = all_boxes(c->accel, ids, count, issues);
+    Reaches reaches = {.middle = median_middle(c->scene, ids, count)};
+    Box3 box = all_boxes(c->accel, ids, count, issues, &reaches);
     if (!box3_is_empty(instances)) {
         box = box3_union(box, instances);
     }
     group_set_bounds(group, box);
     bool inside = false;
-    const uint32_t outer =
-        nested < MOST_NESTED ? split_outliers(c->accel, ids, count, instances, &inside) : count;
+    const uint32_t outer = nested < MOST_NESTED
+                               ? split_outliers(c->scene, ids, count, &reaches, instances, &inside)
+                               : count;
     uint32_t number = 0;
     if (outer < count || inside) {
         AccelGroup inner = {.accel = c->accel};
@@ -609,9 +631,9 @@ static bool collect_all(Collector *c, uint32_t *starts)
     // The world last, since its box has those of the instances.
     for (uint32_t left = prototypes; left-- > 0;) {
         uint32_t *ids = accel->order + starts[left], size = starts[left + 1] - starts[left];
-        const Box3 instances =
-            left == 0 ? all_boxes(accel, NULL, (uint32_t)scene->instances.count, &accel->issues)
-                      : box3_empty();
+        const Box3 instances = left == 0 ? all_boxes(accel, NULL, (uint32_t)scene->instances.count,
+                                                     &accel->issues, NULL)
+                                         : box3_empty();
         if (!collect_group(c, &accel->groups[left], left, ids, size, instances, 0)) {
             return false;
         }

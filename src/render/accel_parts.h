@@ -97,7 +97,8 @@
 typedef struct AccelGroup AccelGroup;
 
 // The balls of a run in Embree's coordinates, in single precision: what passes them by farther than
-// BALL_MARGIN misses them for certain. Those that a run of fewer lacks are far away.
+// BALL_MARGIN misses them for certain. Those that a run of fewer lacks are far away, and have a
+// negative radius.
 enum { RUN_LONGEST = 4 };
 typedef struct BallRun {
     float x[RUN_LONGEST], y[RUN_LONGEST], z[RUN_LONGEST], radius[RUN_LONGEST];

@@ -94,7 +94,7 @@ static void fill_balls(void *context, uint64_t piece, unsigned worker)
         const uint32_t first = kind->runs[run], count = kind->runs[run + 1] - first;
         for (uint32_t i = 0; i < RUN_LONGEST; ++i) {
             Vec3 p = vec3(NOWHERE, NOWHERE, NOWHERE);
-            double radius = 0;
+            double radius = -kind->group->scale;
             if (i < count) {
                 p = kind->class->ball(kind->row + (first + i) * kind->class->node.size, &radius);
                 p = scale(sub(p, center), inverse_scale);

@@ -1,4 +1,5 @@
 // Lights that were put inside something they can't shine out of.
+#include "base/thread.h"
 #include "render/light_report.h"
 
 #include <string.h>
@@ -56,22 +57,53 @@ static void warn(const Scene *scene, const SceneNode *light, const SceneNode *sh
     diag_frame(sink, diag, shape->at, "the %s around it", scene_node_type(scene, shape)->name);
 }
 
-static void look_around(const World *world, const SceneNode *light, Vec3 p, DiagSink *sink)
+// A point and the shapes that may be around it, in pieces for threads.
+enum { PIECE = 1 << 14 };
+typedef struct Surroundings {
+    const World *world;
+    Vec3 p;
+    _Atomic uint32_t first; // the number of the first shape that holds it, of those looked at
+} Surroundings;
+
+static bool is_around(const World *world, uint32_t number, Vec3 p)
 {
-    const Scene *scene = world->scene;
-    const SceneNodeArray *shapes = &scene->nodes[CATEGORY_SHAPE];
-    for (size_t i = 0; i < shapes->count; ++i) {
-        const SceneNode *shape = &shapes->items[i];
-        if (shape->prototype == 0 && !(shape->flags & NODE_LIGHT_ONLY) &&
-            !(world_material(world, shape->material)->lobes & (LOBE_TRANSMIT | LOBE_PASS)) &&
-            shape_holds(scene, shape, p)) {
-            warn(scene, light, shape, sink);
-            return;
+    const SceneNode *shape = scene_node(world->scene, CATEGORY_SHAPE, number);
+    return shape->prototype == 0 && !(shape->flags & NODE_LIGHT_ONLY) &&
+           !(world_material(world, shape->material)->lobes & (LOBE_TRANSMIT | LOBE_PASS)) &&
+           shape_holds(world->scene, shape, p);
+}
+
+static void look_at_piece(void *context, uint64_t piece, unsigned worker)
+{
+    (void)worker;
+    Surroundings *all = context;
+    const uint32_t count = (uint32_t)all->world->scene->nodes[CATEGORY_SHAPE].count;
+    const uint32_t begin = (uint32_t)piece * PIECE;
+    const uint32_t end = count - begin > PIECE ? begin + PIECE : count;
+    for (uint32_t i = begin; i < end && i < atomic_load(&all->first); ++i) {
+        if (is_around(all->world, i, all->p)) {
+            uint32_t before = atomic_load(&all->first);
+            while (i < before && !atomic_compare_exchange_weak(&all->first, &before, i)) {
+            }
         }
     }
 }
 
-void light_warn_enclosed(const Scene *scene, DiagSink *sink)
+static void look_around(const World *world, const SceneNode *light, Vec3 p, unsigned threads,
+                        DiagSink *sink)
+{
+    const Scene *scene = world->scene;
+    const size_t count = scene->nodes[CATEGORY_SHAPE].count;
+    Surroundings all = {.world = world, .p = p};
+    atomic_init(&all.first, NONE_ID);
+    parallel_for((count - 1) / PIECE + 1, threads, look_at_piece, &all, NULL);
+    const uint32_t first = atomic_load(&all.first);
+    if (first != NONE_ID) {
+        warn(scene, light, scene_node(scene, CATEGORY_SHAPE, first), sink);
+    }
+}
+
+void light_warn_enclosed(const Scene *scene, unsigned threads, DiagSink *sink)
 {
     const SceneNodeArray *lights = &scene->nodes[CATEGORY_LIGHT];
     const size_t shapes = scene->nodes[CATEGORY_SHAPE].count;
@@ -84,7 +116,7 @@ void light_warn_enclosed(const Scene *scene, DiagSink *sink)
     for (size_t i = 0; i < lights->count; ++i) {
         Vec3 p;
         if (light_position(scene, &lights->items[i], &p)) {
-            look_around(&world, &lights->items[i], p, sink);
+            look_around(&world, &lights->items[i], p, threads, sink);
         }
     }
     arena_free(&world.arena);

@@ -18,7 +18,7 @@ bool light_is_natural(const Scene *scene, const Light *light);
 void light_note_laws(const Scene *scene, DiagSink *sink);
 // Reports a warning (W0902) on each light with a position that lies inside a closed opaque shape,
 // where it lights nothing. Shapes of instances are not looked at, and no more than 2^25 pairs of a
-// light and a shape.
-void light_warn_enclosed(const Scene *scene, DiagSink *sink);
+// light and a shape. For `threads`.
+void light_warn_enclosed(const Scene *scene, unsigned threads, DiagSink *sink);
 
 #endif

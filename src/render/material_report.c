@@ -3,8 +3,20 @@
 #include "render/materials/refracts.h"
 #include "render/shape.h"
 
+static bool any_refracts(const Scene *scene)
+{
+    bool any = false;
+    for (uint32_t id = 0; !any && id < scene->nodes[CATEGORY_MATERIAL].count; ++id) {
+        any = material_refracts(scene, id);
+    }
+    return any;
+}
+
 void material_warn_open_glass(const Scene *scene, DiagSink *sink)
 {
+    if (!any_refracts(scene)) {
+        return;
+    }
     for (uint32_t id = 0; id < scene->nodes[CATEGORY_SHAPE].count; ++id) {
         const SceneNode *node = scene_node(scene, CATEGORY_SHAPE, id);
         const ShapeClass *class = shape_class(scene, node);

@@ -133,7 +133,7 @@ static void evaluate(Loaded *loaded, const SceneRequest *request, FileWatch *fil
     loaded->bad_setting = has_bad_setting(loaded);
     loaded->text_hash = hash_texts(&lang->sources);
     if (good && !loaded->stopped) {
-        light_warn_enclosed(&loaded->scene, &lang->sink);
+        light_warn_enclosed(&loaded->scene, lang->threads, &lang->sink);
         material_warn_open_glass(&loaded->scene, &lang->sink);
         mesh_cache_turn(request->meshes);
         picture_cache_turn(request->pictures);
