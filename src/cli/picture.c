@@ -467,8 +467,8 @@ static int write_layers(const Picture *picture, const Film *film, Arena *arena, 
         snprintf(message, message_size, "not enough memory to write `%s`", picture->path);
         return EXIT_NO_MEMORY;
     }
-    ImageFile file = {(int)film->width, (int)film->height, picture->bits,   layers,
-                      layer_count,      attributes.items,  attributes.count};
+    ImageFile file = {(int)film->width, (int)film->height, picture->bits,    layers,
+                      layer_count,      attributes.items,  attributes.count, picture->threads};
     return picture_replace(picture->path, &file, arena, message, message_size);
 }
 

@@ -399,7 +399,9 @@ static bool write_png(const char *path, const WriteType *type, const ImageFile *
                       .pixels = layer->pixels,
                       .texts = texts,
                       .text_count = file->attribute_count,
-                      .memory = {mem_alloc_zeroed, mem_free}};
+                      .memory = {mem_alloc_zeroed, mem_free},
+                      .parallel = parallel_for,
+                      .threads = file->threads};
     bool written = png->write(&write, message, message_size);
     mem_free(texts);
     return written;

@@ -56,6 +56,7 @@ typedef struct ImageFile {
     int layer_count;
     const ImageAttribute *attributes;
     int attribute_count;
+    unsigned threads; // that may compress it; 0 counts as 1. The bytes don't depend on it
 } ImageFile;
 
 // Writes the layers into the file `path` (made by atomic_temporary_name), in the format of

@@ -4,11 +4,13 @@
 #ifndef IMAGE_PNG_MODULE_H
 #define IMAGE_PNG_MODULE_H
 
+#include "base/thread.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-enum { PNG_MODULE_VERSION = 1 }; // to be raised with every change here
+enum { PNG_MODULE_VERSION = 2 }; // to be raised with every change here
 
 typedef struct PngMemory {
     void *(*allocate)(size_t count, size_t size); // cleared
@@ -38,6 +40,10 @@ typedef struct PngWrite {
     const PngText *texts; // attributes
     int text_count;
     PngMemory memory;
+    // parallel_for, and how many threads there are for it.
+    void (*parallel)(uint64_t count, unsigned threads, ParallelWork *work, void *context,
+                     const atomic_int *stop);
+    unsigned threads;
 } PngWrite;
 
 typedef struct PngFunctions {

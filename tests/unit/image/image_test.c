@@ -164,6 +164,42 @@ static void test_exact_png_values(void **state)
     }
 }
 
+// A PNG of more bands than are compressed at once (module_png_bands.c), of noise, of what repeats
+// above or to the left, and of nothing: the bytes are those of one thread, the values come back.
+static void test_png_of_many_bands(void **state)
+{
+    (void)state;
+    enum { SIDE = 1900, VALUES = 3 * SIDE * SIDE };
+    float *pixels = malloc(sizeof(float) * VALUES);
+    assert_non_null(pixels);
+    uint32_t noise = 7;
+    for (int i = 0; i < VALUES; ++i) {
+        const int x = i / 3 % SIDE, y = i / 3 / SIDE;
+        noise = noise * 1664525 + 1013904223;
+        const uint32_t values[] = {noise >> 16, (uint32_t)x, (uint32_t)(37 * y), 0};
+        pixels[i] = (float)(values[y / 50 % 4] & 0xffff) / 65535;
+    }
+    ImageLayer layer = {"", 3, RGB_NAMES, pixels, NULL};
+    ImageFile file = {SIDE, SIDE, 16, &layer, 1, NULL, 0, 1};
+    write_file("one.png", &file);
+    file.threads = 3;
+    write_file("three.png", &file);
+    FileBytes one = bytes_of(path_of("one.png")), three = bytes_of(path_of("three.png"));
+    assert_int_equal(one.size, three.size);
+    assert_memory_equal(one.bytes, three.bytes, one.size);
+    assert_true(one.size < 2 * (size_t)VALUES / 3); // a quarter is noise
+    file_bytes_free(&one);
+    file_bytes_free(&three);
+    Image image = read_file("three.png");
+    for (int i = 0; i < VALUES; ++i) {
+        if (!(fabsf(image.pixels[i] - pixels[i]) < 0.1f / 65535)) {
+            fail_msg("value %d is %g, was %g", i, (double)image.pixels[i], (double)pixels[i]);
+        }
+    }
+    image_free(&image);
+    free(pixels);
+}
+
 // --- PNG files made by hand ----------------------------------------------------------------------
 
 typedef struct PngMaker {
@@ -738,6 +774,7 @@ int main(void)
         cmocka_unit_test(test_round_trips),
         cmocka_unit_test(test_types_with_loss),
         cmocka_unit_test(test_exact_png_values),
+        cmocka_unit_test(test_png_of_many_bands),
         cmocka_unit_test(test_kinds_of_png),
         cmocka_unit_test(test_png_attributes),
         cmocka_unit_test(test_values_out_of_range),
