@@ -332,7 +332,7 @@ static int write_canvas(const Canvas *canvas, const char *title, const char *pat
     const ImageLayer layer = {"", 3, names, canvas->pixels, NULL};
     const ImageAttribute attributes[] = {{"Software", "scnrender " SCN_VERSION},
                                          {"ImageDescription", title}};
-    const ImageFile file = {canvas->width, canvas->height, 0, &layer, 1, attributes, 2};
+    const ImageFile file = {canvas->width, canvas->height, 0, &layer, 1, attributes, 2, 1};
     Arena arena = {0};
     const int code = picture_replace(path, &file, &arena, message, size);
     arena_free(&arena);

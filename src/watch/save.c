@@ -142,7 +142,7 @@ FileBytes *save_picture(const Snapshot *picture, SessionLook look, const char *t
         add_facts(&facts, picture, look);
         ImageLayer layer = {"", 3, names, pixels, NULL};
         ImageFile file = {(int)picture->width, (int)picture->height, 0, &layer, 1,
-                          facts.items,         facts.count};
+                          facts.items,         facts.count,          1};
         good = write_and_read(&file, type, bytes, message, message_size);
         free_facts(&facts);
     } else {

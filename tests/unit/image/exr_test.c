@@ -223,7 +223,7 @@ static void test_same_as_openimageio(void **state)
             for (int layers = 1; layers <= 4; layers += 3) {
                 for (int bits = 0; bits <= 32; bits += 16) {
                     const ImageFile file = {sizes[s][0], sizes[s][1], bits, picture.layers,
-                                            layers,      attributes,  4};
+                                            layers,      attributes,  4,    1};
                     check_same(&file);
                 }
             }
@@ -245,7 +245,7 @@ static void test_attributes(void **state)
         {"scnrender:command", text},
         {"scnrender:a_name_of_more_than_31_characters", "\u00e4\u00f6\u00fc"}};
     for (int count = 0; count <= 3; ++count) {
-        const ImageFile file = {1, 1, 0, &layer, 1, attributes, count};
+        const ImageFile file = {1, 1, 0, &layer, 1, attributes, count, 1};
         check_same(&file);
     }
     free(text);
@@ -270,7 +270,7 @@ static void test_all_values(void **state)
     }
     memcpy(values, bits, sizeof *values * COUNT);
     ImageLayer layer = {"", 3, RGBA, values, NULL};
-    ImageFile file = {SIDE, SIDE, 32, &layer, 1, NULL, 0};
+    ImageFile file = {SIDE, SIDE, 32, &layer, 1, NULL, 0, 1};
     check_same(&file);
     file.bits = 16;
     check_same(&file);
@@ -285,7 +285,7 @@ static void test_chunks_that_win_nothing(void **state)
     enum { WIDTH = 23, ROUNDS = 400 };
     float values[WIDTH];
     ImageLayer layer = {"", 1, Z, values, NULL};
-    const ImageFile file = {WIDTH, 1, 0, &layer, 1, NULL, 0};
+    const ImageFile file = {WIDTH, 1, 0, &layer, 1, NULL, 0, 1};
     int raw = 0;
     for (int round = 0; round < ROUNDS; ++round) {
         for (int i = 0; i < WIDTH; ++i) {
@@ -304,7 +304,7 @@ static void test_reads_back(void **state)
 {
     (void)state;
     Picture picture = make_picture(17, 33, 4);
-    const ImageFile file = {17, 33, 0, picture.layers, 1, NULL, 0};
+    const ImageFile file = {17, 33, 0, picture.layers, 1, NULL, 0, 1};
     FileBytes bytes = written("back.exr", &file);
     Image image;
     char message[512] = "";
@@ -338,9 +338,9 @@ static void test_wrong_sizes(void **state)
     memset(name, 'n', sizeof name - 1);
     name[sizeof name - 1] = '\0';
     ImageLayer layer = {"", 4, RGBA, pixel, NULL};
-    ImageFile file = {1 << 28, 1 << 28, 0, &layer, 1, NULL, 0}; // nothing is read of it
+    ImageFile file = {1 << 28, 1 << 28, 0, &layer, 1, NULL, 0, 1}; // nothing is read of it
     expect_refused(path_of("wrong.exr"), &file, "rows are too long");
-    file = (ImageFile){1, 1, 0, &layer, 0, NULL, 0};
+    file = (ImageFile){1, 1, 0, &layer, 0, NULL, 0, 1};
     expect_refused(path_of("wrong.exr"), &file, "no channels");
     layer.name = name;
     file.layer_count = 1;
@@ -360,7 +360,7 @@ static void test_full_disk(void **state)
 {
     (void)state;
     Picture picture = make_picture(40, 40, 3);
-    const ImageFile file = {40, 40, 0, picture.layers, 4, NULL, 0};
+    const ImageFile file = {40, 40, 0, picture.layers, 4, NULL, 0, 1};
     FileBytes bytes = written("full.exr", &file);
     signal(SIGXFSZ, SIG_IGN);
     struct rlimit before;
@@ -391,7 +391,7 @@ static void test_no_memory(void **state)
     (void)state;
     Picture picture = make_picture(20, 40, 3);
     static const ImageAttribute attributes[] = {{"Software", "scnrender"}, {"a", "b"}};
-    const ImageFile file = {20, 40, 16, picture.layers, 4, attributes, 2};
+    const ImageFile file = {20, 40, 16, picture.layers, 4, attributes, 2, 1};
     FileBytes bytes = written("memory.exr", &file);
     uint64_t allocations = 0;
     const uint64_t live = mem_live_count();
@@ -427,7 +427,7 @@ static void test_broken_module(void **state)
     float pixel = 0.5f;
     char message[512] = "";
     ImageLayer layer = {"", 1, Z, &pixel, NULL};
-    const ImageFile file = {1, 1, 0, &layer, 1, NULL, 0};
+    const ImageFile file = {1, 1, 0, &layer, 1, NULL, 0, 1};
     expect_refused(path_of("broken.exr"), &file, "OpenEXR can't be loaded");
     assert_false(image_available("a.exr", message, sizeof message));
     assert_non_null(strstr(message, "OpenEXR can't be loaded"));

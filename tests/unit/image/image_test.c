@@ -63,7 +63,7 @@ static float *make_pixels(int channels)
 static ImageFile one_layer(ImageLayer *layer, const float *pixels, int channels, int bits)
 {
     *layer = (ImageLayer){"", channels, RGB_NAMES, pixels, NULL};
-    return (ImageFile){WIDTH, HEIGHT, bits, layer, 1, NULL, 0};
+    return (ImageFile){WIDTH, HEIGHT, bits, layer, 1, NULL, 0, 1};
 }
 
 // Writes and reads again; every value is off by at most `error`.
@@ -148,7 +148,7 @@ static void test_exact_png_values(void **state)
         pixels[3 * i + 2] = ((float)i - 0.499f) / 255;
     }
     ImageLayer layer = {"", 3, RGB_NAMES, pixels, NULL};
-    ImageFile file = {16, 16, 8, &layer, 1, NULL, 0};
+    ImageFile file = {16, 16, 8, &layer, 1, NULL, 0, 1};
     static const char *const names[] = {"exact.png", "exact.bmp", "exact.tga", "exact.ppm"};
     for (size_t n = 0; n < sizeof names / sizeof names[0]; ++n) {
         write_file(names[n], &file);
@@ -334,7 +334,7 @@ static void test_png_attributes(void **state)
     ImageLayer layer = {"", 4, RGB_NAMES, pixel, NULL};
     static const ImageAttribute attributes[] = {
         {"Software", "scnrender"}, {"scnrender:camera", ""}, {"scnrender:scene", "bl\u00fcte.scn"}};
-    ImageFile file = {1, 1, 0, &layer, 1, attributes, 3};
+    ImageFile file = {1, 1, 0, &layer, 1, attributes, 3, 1};
     write_file("texts.png", &file);
     FileBytes bytes = bytes_of(path_of("texts.png"));
     static const struct {
@@ -360,7 +360,7 @@ static void test_values_out_of_range(void **state)
                            -0.0f, 1e-30f,    0.5f, 1,       0, 0.25f};
     static const int expected[3 * 4] = {0, 0, 0, 255, 255, 255, 0, 0, 128, 255, 0, 64};
     ImageLayer layer = {"", 3, RGB_NAMES, pixels, NULL};
-    ImageFile file = {2, 2, 8, &layer, 1, NULL, 0};
+    ImageFile file = {2, 2, 8, &layer, 1, NULL, 0, 1};
     write_file("range.png", &file);
     Image image = read_file("range.png");
     for (int i = 0; i < 3 * 4; ++i) {
@@ -389,7 +389,7 @@ static void write_layers(const char *name, const uint32_t *ids, const float *pic
                            {"object", 1, id, NULL, ids}};
     ImageAttribute attributes[] = {{"scnrender:sceneHash", "0123456789abcdef"},
                                    {"scnrender:samples", "64"}};
-    ImageFile file = {WIDTH, HEIGHT, 0, layers, 4, attributes, 2};
+    ImageFile file = {WIDTH, HEIGHT, 0, layers, 4, attributes, 2, 1};
     write_file(name, &file);
 }
 
@@ -594,7 +594,7 @@ static void test_long_rows(void **state)
     (void)state;
     float pixels[3] = {1, 2, 3};
     ImageLayer layer = {"", 3, RGB_NAMES, pixels, NULL};
-    ImageFile file = {1, 1, 0, &layer, 1, NULL, 0};
+    ImageFile file = {1, 1, 0, &layer, 1, NULL, 0, 1};
     write_file("long.exr", &file);
     FileBytes bytes = bytes_of(path_of("long.exr"));
     char *window = memmem(bytes.bytes, bytes.size, "dataWindow", 10);
@@ -739,7 +739,7 @@ static void check_missing_module(const char *name, const char *module, const cha
     char message[512] = "";
     float pixel[3] = {0};
     ImageLayer layer = {"", 3, RGB_NAMES, pixel, NULL};
-    ImageFile file = {1, 1, 0, &layer, 1, NULL, 0};
+    ImageFile file = {1, 1, 0, &layer, 1, NULL, 0, 1};
     if (!image_write(path_of(name), name, &file, message, sizeof message)) {
         assert_non_null(strstr(message, complaint));
     }
