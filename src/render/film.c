@@ -347,7 +347,7 @@ const FilmAov film_aovs[AOV_COUNT] = {
     [AOV_MATERIAL_ID] = {"material_id", 1, suffixes_id, true,
                          "number of the material, from 1; 0: none"},
     [AOV_VARIANCE] = {"variance", 1, suffixes_y, false,
-                      "variance of the mean luminance, estimated from the samples"},
+                      "variance of the mean luminance, estimated from the pixel's own samples"},
     [AOV_ALPHA] = {"alpha", 1, suffixes_a, false, "fraction of the samples that hit something"},
 };
 
