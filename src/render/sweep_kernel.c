@@ -3,7 +3,7 @@
 #if defined(__x86_64__)
 #include <immintrin.h>
 
-// With lanes of 4, fused operations missing.
+// SIGNED(a, b): -a with the sign of b. With lanes of 4, fused operations missing.
 #define KERNEL kernel_sse2
 #define TARGET
 #define LANES         4
@@ -18,46 +18,51 @@
 #define FMA(a, b, c)  _mm_add_ps(_mm_mul_ps(a, b), c)
 #define FNMA(a, b, c) _mm_sub_ps(c, _mm_mul_ps(a, b))
 #define ABS(a)        _mm_andnot_ps(_mm_set1_ps(-0.0F), a)
+#define SIGNED(a, b)  _mm_xor_ps(a, _mm_andnot_ps(b, _mm_set1_ps(-0.0F)))
 #define MASK          __m128
 #define LESS(a, b)    _mm_cmplt_ps(a, b)
 #define OR(a, b)      _mm_or_ps(a, b)
 #define BITS(mask)    (uint32_t) _mm_movemask_ps(mask)
 #include "render/sweep_kernel.inc"
 
-#define KERNEL     kernel_avx2
-#define TARGET     __attribute__((target("avx2,fma")))
-#define LANES      8
-#define V          __m256
-#define SET        _mm256_set1_ps
-#define LOAD       _mm256_load_ps
-#define STORE      _mm256_storeu_ps
-#define ADD        _mm256_add_ps
-#define SUB        _mm256_sub_ps
-#define MUL        _mm256_mul_ps
-#define DIV        _mm256_div_ps
-#define FMA        _mm256_fmadd_ps
-#define FNMA       _mm256_fnmadd_ps
-#define ABS(a)     _mm256_andnot_ps(_mm256_set1_ps(-0.0F), a)
-#define MASK       __m256
-#define LESS(a, b) _mm256_cmp_ps(a, b, _CMP_LT_OQ)
-#define OR(a, b)   _mm256_or_ps(a, b)
-#define BITS(mask) (uint32_t) _mm256_movemask_ps(mask)
+#define KERNEL       kernel_avx2
+#define TARGET       __attribute__((target("avx2,fma")))
+#define LANES        8
+#define V            __m256
+#define SET          _mm256_set1_ps
+#define LOAD         _mm256_load_ps
+#define STORE        _mm256_storeu_ps
+#define ADD          _mm256_add_ps
+#define SUB          _mm256_sub_ps
+#define MUL          _mm256_mul_ps
+#define DIV          _mm256_div_ps
+#define FMA          _mm256_fmadd_ps
+#define FNMA         _mm256_fnmadd_ps
+#define ABS(a)       _mm256_andnot_ps(_mm256_set1_ps(-0.0F), a)
+#define SIGNED(a, b) _mm256_xor_ps(a, _mm256_andnot_ps(b, _mm256_set1_ps(-0.0F)))
+#define MASK         __m256
+#define LESS(a, b)   _mm256_cmp_ps(a, b, _CMP_LT_OQ)
+#define OR(a, b)     _mm256_or_ps(a, b)
+#define BITS(mask)   (uint32_t) _mm256_movemask_ps(mask)
 #include "render/sweep_kernel.inc"
 
-#define KERNEL     kernel_avx512
-#define TARGET     __attribute__((target("avx512f")))
-#define LANES      16
-#define V          __m512
-#define SET        _mm512_set1_ps
-#define LOAD       _mm512_load_ps
-#define STORE      _mm512_storeu_ps
-#define ADD        _mm512_add_ps
-#define SUB        _mm512_sub_ps
-#define MUL        _mm512_mul_ps
-#define DIV        _mm512_div_ps
-#define FMA        _mm512_fmadd_ps
-#define FNMA       _mm512_fnmadd_ps
-#define ABS(a)     _mm512_abs_ps(a)
+#define KERNEL kernel_avx512
+#define TARGET __attribute__((target("avx512f")))
+#define LANES  16
+#define V      __m512
+#define SET    _mm512_set1_ps
+#define LOAD   _mm512_load_ps
+#define STORE  _mm512_storeu_ps
+#define ADD    _mm512_add_ps
+#define SUB    _mm512_sub_ps
+#define MUL    _mm512_mul_ps
+#define DIV    _mm512_div_ps
+#define FMA    _mm512_fmadd_ps
+#define FNMA   _mm512_fnmadd_ps
+#define ABS(a) _mm512_abs_ps(a)
+#define SIGNED(a, b)                                                                               \
+    _mm512_castsi512_ps(_mm512_ternarylogic_epi32(_mm512_castps_si512(a), _mm512_castps_si512(b),  \
+                                                  _mm512_set1_epi32(INT32_MIN), 0xd2))
 #define MASK       uint32_t
 #define LESS(a, b) (uint32_t) _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ)
 #define OR(a, b)   ((a) | (b))
@@ -95,6 +100,7 @@ int sweep_kernels(SweepKernel *out[4])
 #define FMA(a, b, c)  ((a) * (b) + (c))
 #define FNMA(a, b, c) ((c) - (a) * (b))
 #define ABS(a)        fabsf(a)
+#define SIGNED(a, b)  (signbit(b) ? (a) : -(a))
 #define MASK          uint32_t
 #define LESS(a, b)    (uint32_t)((a) < (b))
 #define OR(a, b)      ((a) | (b))
