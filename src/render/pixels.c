@@ -139,18 +139,28 @@ static Rgb radiance_along(const Renderer *r, const Site *site, const FilmRay *fi
     return checked(radiance, stats);
 }
 
-static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, AovSample *aov,
-                       IntegratorStats *stats)
+// What a sample begins with.
+typedef struct Start {
+    Sampler sampler;
+    FilmRay film;
+    bool seen; // the camera has such a ray
+} Start;
+
+static void start_sample(const Renderer *r, const Site *site, uint32_t number, Start *out)
+{
+    sampler_start_neighbour(&out->sampler, site->stream->seed, site->x, site->y, number);
+    out->seen = sample_ray(r, site, &out->sampler, &out->film);
+}
+
+static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, Start *start,
+                       AovSample *aov, IntegratorStats *stats)
 {
     const bool apart = lamps_apart(r, site, stats);
     const Rgb lamps = apart ? lamps_seen(r, site, number, stats) : rgb_gray(0);
-    Sampler sampler;
-    sampler_start_neighbour(&sampler, site->stream->seed, site->x, site->y, number);
-    FilmRay film;
-    if (!sample_ray(r, site, &sampler, &film)) {
+    if (!start->seen) {
         return lamps;
     }
-    const Rgb radiance = radiance_along(r, site, &film, apart, &sampler, aov, stats);
+    const Rgb radiance = radiance_along(r, site, &start->film, apart, &start->sampler, aov, stats);
     if (aov && aov->object != 0) {
         aov->depth = camera_depth(&r->camera, aov->position);
     }
@@ -175,14 +185,24 @@ static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, uint3
 {
     IntegratorStats *stats = &count->rays;
     const bool aovs = site->stream->aovs != NULL;
+    // Each is started before the one before it is taken: where that one ends is a surprise, after
+    // which nothing else would be there to do while a start waits for its own numbers.
+    Start starts[2];
+    if (from < to) {
+        start_sample(r, site, r->film.first_sample + from, &starts[from % 2]);
+    }
     for (; from < to && !renderer_stopped(r); ++from) {
         const uint32_t number = r->film.first_sample + from;
+        Start *start = &starts[from % 2];
+        if (from + 1 < to) {
+            start_sample(r, site, number + 1, &starts[(from + 1) % 2]);
+        }
         if (aovs) {
             AovSample aov = {.object = 0};
-            add_sample(&sums->color, site, take_sample(r, site, number, &aov, stats));
+            add_sample(&sums->color, site, take_sample(r, site, number, start, &aov, stats));
             film_aov_add(&sums->aov, &aov);
         } else {
-            add_sample(&sums->color, site, take_sample(r, site, number, NULL, stats));
+            add_sample(&sums->color, site, take_sample(r, site, number, start, NULL, stats));
         }
         if (++count->unseen == TICK_SAMPLES) {
             count->unseen = 0;
