@@ -126,12 +126,13 @@ static bool is_flat(const AccelGroup *group, uint32_t geometry)
 }
 
 // The nearest hit in the group's hierarchy.
-static bool hierarchy_intersect(const AccelGroup *group, const Ray *ray, const LocalRay *local,
+// By value: a local ray whose address is known lives in memory, where a sweep would wait for it.
+static bool hierarchy_intersect(const AccelGroup *group, const Ray *ray, const LocalRay local,
                                 uint32_t instance, Hit *hit)
 {
     Query q;
     struct RTCRayHit rayhit;
-    if (!query_begin(&q, group, ray, local, instance, false, hit, &rayhit.ray)) {
+    if (!query_begin(&q, group, ray, &local, instance, false, hit, &rayhit.ray)) {
         return careful_intersect(group, ray, instance, hit);
     }
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -172,13 +173,32 @@ bool group_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance,
         return found;
     }
     if (!found) {
-        return hierarchy_intersect(group, ray, &local, instance, hit);
+        return hierarchy_intersect(group, ray, local, instance, hit);
     }
     Ray nearer = *ray;
     nearer.tmax = hit->t;
     local.end = smaller(local.end, hit->t * local.speed);
-    hierarchy_intersect(group, &nearer, &local, instance, hit);
+    hierarchy_intersect(group, &nearer, local, instance, hit);
     return true;
+}
+
+static bool hierarchy_occluded(const AccelGroup *group, const Ray *ray, const LocalRay local,
+                               uint32_t instance)
+{
+    Query q;
+    struct RTCRay embree_ray;
+    if (!query_begin(&q, group, ray, &local, instance, true, NULL, &embree_ray)) {
+        return careful_occluded(group, ray, instance);
+    }
+#if RTC_VERSION_MAJOR >= 4
+    struct RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.context = &q.embree;
+    rtcOccluded1((RTCScene)group->hierarchy, &embree_ray, &arguments);
+#else
+    rtcOccluded1((RTCScene)group->hierarchy, &q.embree, &embree_ray);
+#endif
+    return embree_ray.tfar < 0;
 }
 
 bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
@@ -193,23 +213,7 @@ bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
             return true;
         }
     }
-    Query q;
-    struct RTCRay embree_ray;
-    if (!group->hierarchy) {
-        return false;
-    }
-    if (!query_begin(&q, group, ray, &local, instance, true, NULL, &embree_ray)) {
-        return careful_occluded(group, ray, instance);
-    }
-#if RTC_VERSION_MAJOR >= 4
-    struct RTCOccludedArguments arguments;
-    rtcInitOccludedArguments(&arguments);
-    arguments.context = &q.embree;
-    rtcOccluded1((RTCScene)group->hierarchy, &embree_ray, &arguments);
-#else
-    rtcOccluded1((RTCScene)group->hierarchy, &q.embree, &embree_ray);
-#endif
-    return embree_ray.tfar < 0;
+    return group->hierarchy && hierarchy_occluded(group, ray, local, instance);
 }
 
 // --- Callbacks: shapes ------------------------------------------------------------------------
