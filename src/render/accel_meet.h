@@ -31,8 +31,18 @@ static inline bool meet(const AccelFlat *flat, const Ray *ray, double tmax, bool
     out->s = dot(flat->along_u, at);
     out->t = dot(flat->along_v, at);
     out->least = least_inside(flat, out->s, out->t);
-    return distance > ray->tmin && distance < tmax &&
-           (out->least >= 0 || (edges && accel_pull_inside(flat, from, out)));
+    if (!(distance > ray->tmin && distance < tmax)) {
+        return false;
+    }
+    if (out->least >= 0 || !edges) {
+        return out->least >= 0;
+    }
+    Meeting pulled = *out; // whose address is known, so that *out can stay in registers
+    if (!accel_pull_inside(flat, from, &pulled)) {
+        return false;
+    }
+    *out = pulled;
+    return true;
 }
 
 // Fills all of a hit on the piece of that number.
