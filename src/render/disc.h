@@ -12,7 +12,7 @@ typedef long long DiscMask __attribute__((vector_size(16)));
 // Chiu 1997: concentric). Without branches, which half of all paths would take one way; the sine
 // and the cosine of an angle of at most π/4 are short series side by side, good to 2e-10, so that
 // directions don't depend on the C library.
-static inline Vec2 sample_disc(float u, float v)
+static inline DiscPair sample_disc_pair(float u, float v)
 {
     const DiscPair ab = {2 * (double)u - 1, 2 * (double)v - 1};
     const DiscPair ba = __builtin_shufflevector(ab, ab, 1, 0);
@@ -31,17 +31,42 @@ static inline Vec2 sample_disc(float u, float v)
     series = 1 + q * (DiscPair){1.0 / 6, 1.0 / 2} * series;
     const DiscPair along = r * (DiscPair){series[1], angle * series[0]}; // cosine, sine
     const DiscPair across = __builtin_shufflevector(along, along, 1, 0);
-    const DiscPair xy = (DiscPair)(((DiscMask)along & wide) | ((DiscMask)across & ~wide));
+    return (DiscPair)(((DiscMask)along & wide) | ((DiscMask)across & ~wide));
+}
+
+static inline Vec2 sample_disc(float u, float v)
+{
+    const DiscPair xy = sample_disc_pair(u, v);
     return (Vec2){xy[0], xy[1]};
 }
 
-// A direction about +z with pdf z/π from (u, v) in [0,1)², of unit length to 2e-10. Its height is
-// that of the radius, which is known long before the series are.
-static inline Vec3 sample_cosine_hemisphere(float u, float v)
+// A direction about +z. As it is made: one that is kept for later is stored and read alike, where
+// processors would wait if two numbers were stored and both read at once.
+typedef struct CosineDirection {
+    DiscPair xy;
+    double z;
+} CosineDirection;
+
+// Of unit length with pdf z/π from (u, v) in [0,1)². The height is that of the radius, which is
+// known long before the series are; a step of Newton's method makes good what they lack.
+static inline CosineDirection sample_cosine(float u, float v)
 {
     const double r = larger(fabs(2 * (double)u - 1), fabs(2 * (double)v - 1));
-    const Vec2 d = sample_disc(u, v);
-    return vec3(d.x, d.y, sqrt(1 - r * r));
+    const DiscPair xy = sample_disc_pair(u, v), squares = xy * xy;
+    const double zz = 1 - r * r, z = sqrt(zz);
+    const double over = 1.5 - 0.5 * (squares[0] + squares[1] + zz);
+    return (CosineDirection){over * xy, over * z};
+}
+
+static inline Vec3 cosine_vec3(const CosineDirection *d)
+{
+    return vec3(d->xy[0], d->xy[1], d->z);
+}
+
+static inline Vec3 sample_cosine_hemisphere(float u, float v)
+{
+    const CosineDirection d = sample_cosine(u, v);
+    return cosine_vec3(&d);
 }
 
 #endif

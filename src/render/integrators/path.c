@@ -240,10 +240,10 @@ static inline BsdfEval evaluate(const ShadingPoint *point, const WorldMaterial *
 
 // Of density 0: none.
 static inline BsdfSample choose(const ShadingPoint *point, const WorldMaterial *material,
-                                const SurfaceNumbers *n)
+                                const SurfaceNumbers *n, const CosineDirection *cosine)
 {
     if (is_plain_lambert(point, material)) {
-        return lambert_sample(point, material->params, n->u, n->v);
+        return lambert_sample(point, material->params, cosine_vec3(cosine));
     }
     BsdfSample out;
     if (!material_choose(point, material, n->lobe, n->u, n->v, &out)) {
@@ -389,7 +389,10 @@ static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *
         path->chosen_at ^= 1;
         path->pdf = s.pdf;
         path->certain = s.lobes & LOBE_DELTA;
-        direction = renormalize(from_local(&point->frame, s.wi));
+        direction = from_local(&point->frame, s.wi);
+        if (!is_plain_lambert(point, material)) { // whose direction is of unit length as it is
+            direction = renormalize(direction);
+        }
     }
     *ray = surface_spawn(point->surface, direction);
     return true;
@@ -526,6 +529,7 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         const uint32_t first = dimension + (uint32_t)i * DIMENSIONS_PER_SURFACE;
         SurfaceNumbers n;
         sampler_eight(path->sampler, first, n.all);
+        const CosineDirection cosine = sample_cosine(n.u, n.v);
         Hit hit;
         Surface surface;
         double outside;
@@ -560,8 +564,8 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         *next_receiver(path) = surface_receiver(&point, material->lobes);
         const GuideCell *cell =
             is_guided(path, material) ? guide_find(world->guide, surface.p) : NULL;
-        const BsdfSample chosen =
-            cell ? choose_guided(&point, material, cell, &n) : choose(&point, material, &n);
+        const BsdfSample chosen = cell ? choose_guided(&point, material, cell, &n)
+                                       : choose(&point, material, &n, &cosine);
         if (material->lobes & LOBE_SMOOTH) {
             add_direct(path, &point, material, cell, &n, first);
         }

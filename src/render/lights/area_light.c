@@ -4,6 +4,8 @@
 #include "render/world.h"
 #include "schema/photometry.h"
 
+#include <float.h>
+
 extern const MaterialClass emissive_material;
 
 enum { SHAPE, RADIANCE, POWER, TWO_SIDED };
@@ -241,23 +243,21 @@ static inline bool take_aim(const AreaData *data, const ShapeAim *aim, Vec3 refe
                             double *facing, LightSample *out)
 {
     const Vec3 to = sub(aim->p, reference);
-    const double r2 = length_squared(to);
-    if (!(r2 > 0) || !(aim->pdf > 0)) {
+    const double r2 = length_squared(to), across = -dot(to, aim->normal);
+    if (!(r2 >= DBL_MIN) || !(fabs(across) > 0) || !(aim->pdf > 0)) {
         return false;
     }
-    const double r = sqrt(r2);
-    out->direction = scale(to, 1 / r);
-    *facing = -dot(out->direction, aim->normal);
+    // The root and both divisions at once.
+    const double r = sqrt(r2), inverse = r * (1 / r2);
+    out->direction = scale(to, inverse);
+    *facing = across * inverse;
     const double cosine = fabs(*facing);
-    if (!(cosine > 0)) {
-        return false;
-    }
     out->distance = r;
     out->point = aim->p;
     out->error = aim->error;
     out->target = data->target;
     out->facing = data->class->holding == HOLD_USER ? 0 : cosine;
-    out->pdf = (float)(aim->by_angle ? aim->pdf : aim->pdf * r2 / cosine);
+    out->pdf = (float)(aim->by_angle ? aim->pdf : aim->pdf * r2 / fabs(across) * r);
     out->delta = false;
     return out->pdf > 0 && out->pdf < INFINITY;
 }

@@ -33,7 +33,7 @@ static bool sample(const ShadingPoint *point, const void *params, float lobe, fl
                    BsdfSample *out)
 {
     (void)lobe;
-    *out = lambert_sample(point, params, u, v);
+    *out = lambert_sample(point, params, sample_cosine_hemisphere(u, v));
     return out->pdf > 0;
 }
 

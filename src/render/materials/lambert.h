@@ -31,10 +31,8 @@ static inline BsdfEval lambert_eval(const ShadingPoint *point, const Lambert *la
 }
 
 // MaterialClass.sample: the lobe's pdf is 0 where it chooses nothing.
-static inline BsdfSample lambert_sample(const ShadingPoint *point, const Lambert *lambert, float u,
-                                        float v)
+static inline BsdfSample lambert_sample(const ShadingPoint *point, const Lambert *lambert, Vec3 wi)
 {
-    Vec3 wi = sample_cosine_hemisphere(u, v);
     const float pdf = (float)(wi.z * (1 / PI));
     wi.z = copysign(wi.z, point->wo.z);
     return (BsdfSample){wi, lambert_albedo(point, lambert), pdf, 1, LOBE_REFLECT | LOBE_SMOOTH};
