@@ -10,7 +10,7 @@ enum { SWEEP_MOST = 32, SWEEP_BLOCK = 16 };
 
 // A bound on the rounding errors of single precision, as a length and in parts of the group's size,
 // for rays that meet a piece head-on: they grow with the inverse of the cosine.
-#define SWEEP_ERROR 0x1p-19
+#define SWEEP_ERROR 0x1p-18
 
 // Pieces, in the group's coordinates: the plane, s and t as linear functions of the point, and the
 // rest of AccelFlat's numbers. Aligned to 64 bytes.
