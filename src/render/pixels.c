@@ -146,10 +146,24 @@ typedef struct Start {
     bool seen; // the camera has such a ray
 } Start;
 
-static void start_sample(const Renderer *r, const Site *site, uint32_t number, Start *out)
+// Samples are started before those before them are taken, their numbers before their rays: where a
+// path ends is a surprise, after which there would be nothing to do while each waits for the other.
+enum { STARTS = 4 };
+
+static void start_numbers(const Renderer *r, const Site *site, uint32_t sample, Start *starts)
 {
-    sampler_start_neighbour(&out->sampler, site->stream->seed, site->x, site->y, number);
-    out->seen = sample_ray(r, site, &out->sampler, &out->film);
+    Sampler *sampler = &starts[sample % STARTS].sampler;
+    const uint32_t number = r->film.first_sample + sample;
+    sampler_start_neighbour(sampler, site->stream->seed, site->x, site->y, number);
+    if (r->filter.width > 0) {
+        sampler_fill(sampler, 0);
+    }
+}
+
+static void start_ray(const Renderer *r, const Site *site, uint32_t sample, Start *starts)
+{
+    Start *start = &starts[sample % STARTS];
+    start->seen = sample_ray(r, site, &start->sampler, &start->film);
 }
 
 static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, Start *start,
@@ -185,17 +199,22 @@ static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, uint3
 {
     IntegratorStats *stats = &count->rays;
     const bool aovs = site->stream->aovs != NULL;
-    // Each is started before the one before it is taken: where that one ends is a surprise, after
-    // which nothing else would be there to do while a start waits for its own numbers.
-    Start starts[2];
+    Start starts[STARTS];
     if (from < to) {
-        start_sample(r, site, r->film.first_sample + from, &starts[from % 2]);
+        start_numbers(r, site, from, starts);
+        start_ray(r, site, from, starts);
+    }
+    if (from + 1 < to) {
+        start_numbers(r, site, from + 1, starts);
     }
     for (; from < to && !renderer_stopped(r); ++from) {
         const uint32_t number = r->film.first_sample + from;
-        Start *start = &starts[from % 2];
+        Start *start = &starts[from % STARTS];
         if (from + 1 < to) {
-            start_sample(r, site, number + 1, &starts[(from + 1) % 2]);
+            start_ray(r, site, from + 1, starts);
+        }
+        if (from + 2 < to) {
+            start_numbers(r, site, from + 2, starts);
         }
         if (aovs) {
             AovSample aov = {.object = 0};
