@@ -23,7 +23,7 @@ struct Asides {
     Unit *units;
 };
 
-enum { UNITS_EACH = 4, MOST_UNITS = 256, MOST_REFUSALS = 16, LEAST_STEPS = 1 << 16 };
+enum { UNITS_EACH = 8, MOST_UNITS = 256, MOST_REFUSALS = 16, LEAST_STEPS = 1 << 16 };
 
 static const Scene empty_scene = {.camera = NONE_ID};
 

@@ -17,7 +17,7 @@ enum {
     FIRST_SLOTS = 64,     // of the file's frame
     ENOUGH_REPEATS = 64,  // one after the other, before statements are evaluated beside one another
     FEW_REPEATS = 2,      // the same, for tests
-    UNIT_BYTES = 1 << 19, // of text that one thread takes at a time
+    UNIT_BYTES = 1 << 18, // of text that one thread takes at a time
     FEW_BYTES = 64,       // the same, for tests
     LEAST_UNITS = 4,      // worth the threads' start
 };
