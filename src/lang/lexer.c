@@ -77,6 +77,28 @@ static void report_bad_byte(Lexer *lexer, const char *at, const char *end)
     }
 }
 
+// Whether all bytes are ASCII and none is 0. Looks at many at once, for all of a long text.
+static bool is_plain(const char *at, const char *end)
+{
+    enum { WORDS = 16 };
+    const uint64_t high = 0x8080808080808080u, ones = 0x0101010101010101u;
+    uint64_t words[WORDS];
+    for (; (size_t)(end - at) >= sizeof words; at += sizeof words) {
+        memcpy(words, at, sizeof words);
+        uint64_t bad = 0;
+        for (int i = 0; i < WORDS; ++i) {
+            bad |= words[i] | (words[i] - ones); // of ASCII: has its high bits where a byte is 0
+        }
+        if (bad & high) {
+            return false;
+        }
+    }
+    while (at < end && (signed char)*at > 0) {
+        ++at;
+    }
+    return at == end;
+}
+
 // Reports the first few runs of bytes that aren't UTF-8.
 static void check_utf8(Lexer *lexer)
 {
@@ -160,6 +182,9 @@ void lexer_init(Lexer *lexer, const Source *source, uint32_t file, Interner *nam
     lexer->comments = comments;
     lexer->on_oom = on_oom;
     index_units(lexer);
+    if (is_plain(lexer->begin, lexer->end)) {
+        return;
+    }
     check_utf8(lexer);
     const char *nul = memchr(lexer->begin, '\0', source->text.length);
     if (nul) {

@@ -234,6 +234,35 @@ static void names_of_all_lengths(void **state)
     end(&bench);
 }
 
+// A text is looked through many bytes at once for what isn't plain: a bad byte is found wherever it
+// stands.
+static void bad_bytes_anywhere(void **state)
+{
+    (void)state;
+    enum { LENGTH = 400 };
+    static const struct {
+        char byte;
+        DiagCode code;
+    } bad[] = {{'\0', E0102}, {'\xff', E0101}, {'\x80', E0101}, {'\x7f', DIAG_CODE_COUNT}};
+    for (size_t kind = 0; kind < sizeof bad / sizeof *bad; ++kind) {
+        for (size_t at = 0; at < LENGTH; ++at) {
+            char text[LENGTH];
+            memset(text, 'a', sizeof text);
+            text[at] = bad[kind].byte;
+            Bench bench;
+            begin(&bench, (Str){text, sizeof text});
+            jmp_buf jump;
+            Lexer lexer;
+            lexer_init(&lexer, source_get(&bench.sources, bench.file), bench.file, &bench.names,
+                       &bench.sink, NULL, &jump);
+            const bool found = bench.sink.count == 1 && bench.sink.items[0].code == bad[kind].code;
+            assert_int_equal(found, bad[kind].code != DIAG_CODE_COUNT);
+            lexer_free(&lexer);
+            end(&bench);
+        }
+    }
+}
+
 static void dump_without_memory(void **state)
 {
     (void)state;
@@ -257,6 +286,7 @@ int main(void)
         cmocka_unit_test(marks_and_names),
         cmocka_unit_test(numbers),
         cmocka_unit_test(every_unit),
+        cmocka_unit_test(bad_bytes_anywhere),
         cmocka_unit_test(strings_and_colors),
         cmocka_unit_test(comments),
         cmocka_unit_test(peeking),
