@@ -248,17 +248,47 @@ IoError file_read(const char *path, uint64_t max_bytes, FileBytes *out)
     return error;
 }
 
-uint64_t sandbox_content_hash(const char *path, const FileBytes *file)
+typedef struct Hashing {
+    const char *bytes;
+    size_t size;
+    uint64_t pieces[MOST_PIECES];
+} Hashing;
+
+static void hash_piece(void *context, uint64_t piece, unsigned worker)
+{
+    (void)worker;
+    Hashing *hashing = context;
+    const size_t each = hashing->size / MOST_PIECES, begin = each * (size_t)piece;
+    const size_t size = piece + 1 == MOST_PIECES ? hashing->size - begin : each;
+    hashing->pieces[piece] = XXH3_64bits(hashing->bytes + begin, size);
+}
+
+uint64_t content_hash(const void *bytes, size_t size, uint64_t seed, unsigned threads)
+{
+    if (size < PIECES_FROM) {
+        return XXH3_64bits_withSeed(bytes, size, seed);
+    }
+    Hashing hashing = {.bytes = bytes, .size = size};
+    parallel_for(MOST_PIECES, threads, hash_piece, &hashing, NULL);
+    return XXH3_64bits_withSeed(hashing.pieces, sizeof hashing.pieces, seed);
+}
+
+static uint64_t hash_file(const char *path, const FileBytes *file, unsigned threads)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     uint64_t seed = XXH3_64bits(name, strlen(name));
-    return XXH3_64bits_withSeed(file->bytes, file->size, seed);
+    return content_hash(file->bytes, file->size, seed, threads);
+}
+
+uint64_t sandbox_content_hash(const char *path, const FileBytes *file)
+{
+    return hash_file(path, file, 1);
 }
 
 // A sum, so that the order doesn't matter.
 static void count_content(Sandbox *sandbox, const char *path, const FileBytes *file)
 {
-    const uint64_t hash = sandbox_content_hash(path, file);
+    const uint64_t hash = hash_file(path, file, sandbox->threads);
     atomic_fetch_add(&sandbox->content_hash, hash);
     if (sandbox->on_read) {
         sandbox->on_read(sandbox->on_read_context, path, hash);

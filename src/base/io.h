@@ -76,6 +76,8 @@ IoError sandbox_open(const Sandbox *sandbox, const char *path, int *fd, uint64_t
 bool sandbox_has(const Sandbox *sandbox, const char *path);
 // Reads a whole file; give it back with file_bytes_free.
 IoError sandbox_read(Sandbox *sandbox, const char *path, FileBytes *out);
+// XXH3 of bytes, of those of large blocks in pieces, by threads; it doesn't depend on how many.
+uint64_t content_hash(const void *bytes, size_t size, uint64_t seed, unsigned threads);
 // Of a file's name (without folders) and content.
 uint64_t sandbox_content_hash(const char *path, const FileBytes *file);
 // sandbox_read without a sandbox, for files that the user named on the command line ("-" is stdin);

@@ -250,7 +250,7 @@ static uint64_t hash_scene(const Eval *ev)
     for (size_t i = 0; i < ev->modules.count; ++i) {
         const Source *source = source_get(&lang->sources, ev->modules.items[i]->file);
         if (i == 0 || source->real) { // else defaults and settings
-            hash = XXH3_64bits_withSeed(source->text.at, source->text.length, hash);
+            hash = content_hash(source->text.at, source->text.length, hash, lang->threads);
         }
     }
     for (size_t i = 0; i < lang->setting_count; ++i) {

@@ -396,11 +396,34 @@ static void test_no_memory(void **state)
     assert_int_equal(place->sandbox.root_count, 1);
 }
 
+// Large contents are hashed in pieces: the same by any number of threads, and another for a change
+// of any part.
+static void contents_have_hashes(void **state)
+{
+    (void)state;
+    enum { SIZE = (4 << 20) + 7 };
+    char *bytes = calloc(SIZE, 1);
+    assert_non_null(bytes);
+    const uint64_t hash = content_hash(bytes, SIZE, 1, 1);
+    assert_true(content_hash(bytes, SIZE, 1, 3) == hash);
+    assert_true(content_hash(bytes, SIZE, 2, 3) != hash);
+    assert_true(content_hash(bytes, SIZE - 1, 1, 3) != hash);
+    for (size_t at = 0; at < SIZE; at += at < SIZE - 8 ? SIZE / 40 : 1) {
+        bytes[at] = 1;
+        assert_true(content_hash(bytes, SIZE, 1, 2) != hash);
+        bytes[at] = 0;
+    }
+    bytes[SIZE - 1] = 1;
+    assert_true(content_hash(bytes, SIZE, 1, 2) != hash);
+    free(bytes);
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(contents_have_hashes),
         TEST(test_reading),
         TEST(test_reading_without_openat2),
         TEST(test_reading_with_openat2_forbidden),
