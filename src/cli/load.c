@@ -134,16 +134,26 @@ bool loading_evaluate(Loading *loading)
     return lang_load(&loading->lang, loading->path, loading->shown, &loading->scene);
 }
 
-void loading_free(Loading *loading)
+void loading_free_part(Loading *loading, unsigned part)
 {
-    if (loading->has_scene) {
-        scene_free(&loading->scene);
+    if (part == 0) {
+        if (loading->has_scene) {
+            scene_free(&loading->scene);
+        }
+        return;
     }
     if (loading->has_lang) {
         lang_free(&loading->lang);
     }
     file_bytes_free(&loading->text);
     sandbox_free(&loading->sandbox);
+}
+
+void loading_free(Loading *loading)
+{
+    for (unsigned part = 0; part < LOADING_PARTS; ++part) {
+        loading_free_part(loading, part);
+    }
 }
 
 // --- Diagnostics

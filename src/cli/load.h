@@ -31,6 +31,9 @@ int loading_report(Loading *loading);
 // The same for the diagnostics of any sink.
 int report_diagnostics(const Options *options, const DiagSink *sink, Sources *sources);
 void loading_free(Loading *loading);
+// The same in parts that may be given back at once, by threads: the scene, and all else.
+enum { LOADING_PARTS = 2 };
+void loading_free_part(Loading *loading, unsigned part);
 
 // A message of the program itself on standard error, "scnrender: …"; returns `code`.
 int complain(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));

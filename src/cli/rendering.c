@@ -1,5 +1,6 @@
 #include "cli/rendering.h"
 
+#include "base/thread.h"
 #include "cli/keep.h"
 #include "cli/picture.h"
 #include "cli/progress.h"
@@ -469,6 +470,32 @@ static void take_task(Loading *loading, const RenderTask *task, const Interrupt 
     loading->sandbox.on_read_context = task->on_read_context;
 }
 
+static void give_back_part(void *context, uint64_t part, unsigned worker)
+{
+    (void)worker;
+    Rendering *rendering = context;
+    if (part < LOADING_PARTS) {
+        loading_free_part(&rendering->loading, (unsigned)part);
+    } else {
+        renderer_free(rendering->renderer);
+    }
+}
+
+// The memory of a million shapes goes back in half of the time by threads.
+static void give_back(Rendering *rendering)
+{
+    enum { WORTH_THREADS = 1 << 16 };
+    const Scene *scene = &rendering->loading.scene;
+    const size_t parts = scene->nodes[CATEGORY_SHAPE].count + scene->instances.count;
+    const unsigned threads = parts < WORTH_THREADS ? 1 : rendering->loading.lang.threads;
+    if (threads <= 1) {
+        renderer_free(rendering->renderer);
+        loading_free(&rendering->loading);
+        return;
+    }
+    parallel_for(LOADING_PARTS + 1, threads, give_back_part, rendering, NULL);
+}
+
 int render_picture(const RenderTask *task, Interrupt *interrupt)
 {
     Rendering rendering = {.task = task, .interrupt = interrupt};
@@ -483,7 +510,6 @@ int render_picture(const RenderTask *task, Interrupt *interrupt)
         }
         code = render(&rendering);
     }
-    renderer_free(rendering.renderer);
-    loading_free(&rendering.loading);
+    give_back(&rendering);
     return code;
 }
