@@ -334,6 +334,8 @@ void intersect_shape(const struct RTCIntersectFunctionNArguments *args)
     if (found != NONE_ID) {
         *q->hit =
             (Hit){.t = local.t, .shape = kind->ids[found], .instance = q->instance, .local = local};
+        // For the surface, which asks for it when the ray has passed what else is near.
+        __builtin_prefetch(scene_node(kind->accel->scene, CATEGORY_SHAPE, q->hit->shape));
         report_hit(q, args);
     }
 }

@@ -67,7 +67,7 @@ static float hable_scaled(float x)
 Rgb tone_curve(ToneCurve tone, Rgb c)
 {
     // Light is not negative; and what isn't finite is shown as black or white.
-    c = rgb(fmaxf(c.r, 0), fmaxf(c.g, 0), fmaxf(c.b, 0));
+    c = rgb(c.r > 0 ? c.r : 0, c.g > 0 ? c.g : 0, c.b > 0 ? c.b : 0);
     switch (tone) {
     case TONE_ACES:
         return clipped(aces_fitted(c));
