@@ -15,7 +15,7 @@ enum { DIMENSIONS_PER_SURFACE = 8 };
 // Roulette begins after this many scatterings by smooth lobes, for those before are stratified over
 // a pixel's samples, which roulette would undo; or after this many of any. Mirrors and clear glass
 // lead a path on as it was, and what finds the sun behind them is worth what it takes to get there.
-enum { ROULETTE_START = 5, ROULETTE_LATEST = 8 };
+enum { ROULETTE_START = 4, ROULETTE_LATEST = 8 };
 
 // Which lamps the present ray is to find.
 typedef enum LampWays {
