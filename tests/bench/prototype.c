@@ -208,7 +208,7 @@ static V trace(RTCScene scene, V o, V d, int bounces, Random *r)
         o = add(o, scale(d, hit.ray.tfar));
         throughput = mul(throughput, albedos[material]);
         found = add(found, mul(throughput, direct(scene, o, n, r)));
-        if (depth + 1 >= 5) {
+        if (depth + 1 >= 4) {
             const float survival = sqrtf(fmaxf(throughput.x, fmaxf(throughput.y, throughput.z)));
             if (uniform(r) >= survival) {
                 return found;
