@@ -46,6 +46,10 @@ typedef struct Path {
     // Where it was chosen is one of these; the other is for where the next one will be.
     LightReceiver receivers[2];
     unsigned chosen_at;
+    // What light sampling will have found where nothing stands in the shadow ray's way.
+    bool waits;
+    Rgb direct;
+    Ray shadow;
     MediumStack media; // the transparent bodies that the present ray is in
 } Path;
 
@@ -72,17 +76,27 @@ static inline double finer(const Path *path, float coarse, uint32_t dimension)
     return (double)coarse + sampler_finer(path->sampler, dimension);
 }
 
-static void add_radiance(Path *path, Rgb radiance, float weight)
+// What radiance found after so many scatterings gives to the camera.
+static Rgb part_of(const Path *path, Rgb radiance, float weight, int64_t depth)
 {
-    Rgb part = rgb_scale(rgb_mul(path->throughput, radiance), weight);
-    float clamp = path->world->clamp;
-    if (clamp > 0 && path->depth >= 2) {
-        part = rgb(fminf(part.r, clamp), fminf(part.g, clamp), fminf(part.b, clamp));
-    }
+    const Rgb part = rgb_scale(rgb_mul(path->throughput, radiance), weight);
+    const float clamp = path->world->clamp;
+    return clamp > 0 && depth >= 2
+               ? rgb(fminf(part.r, clamp), fminf(part.g, clamp), fminf(part.b, clamp))
+               : part;
+}
+
+static void add_part(Path *path, Rgb part)
+{
     path->radiance = rgb_add(path->radiance, part);
     if (path->far) {
         path->indirect = rgb_add(path->indirect, part);
     }
+}
+
+static void add_radiance(Path *path, Rgb radiance, float weight)
+{
+    add_part(path, part_of(path, radiance, weight, path->depth));
 }
 
 // The weight of light that the present ray hit, which light sampling would have found with
@@ -170,20 +184,17 @@ static void add_emitted(Path *path, const Ray *ray, const Hit *hit, Surface *sur
     }
 }
 
-// The part of a light's radiance that arrives along the shadow ray in direction wi of the frame.
-// False: none.
-static bool light_passed(Path *path, const ShadingPoint *point, Vec3 wi, const Ray *shadow,
-                         Rgb *passed)
+// Follows the shadow ray that waits, if there is one. As late as may be, just before the next ray:
+// neither waits for the other then, and both are on their way at once.
+static inline void finish_direct(Path *path)
 {
-    const World *world = path->world;
-    ++path->stats->shadow_rays;
-    if (!world->media && !(world->all_lobes & LOBE_PASS)) {
-        *passed = rgb_gray(1);
-        return !accel_occluded(world->accel, shadow);
+    if (!path->waits) {
+        return;
     }
-    *passed = world->media ? surface_light_passed(point, &path->media, wi, shadow)
-                           : world_visibility(world, shadow);
-    return !rgb_is_black(*passed);
+    path->waits = false;
+    if (!accel_occluded(path->world->accel, &path->shadow)) {
+        add_part(path, path->direct);
+    }
 }
 
 // Chooses a light, and a direction to it; `dimension` is that of the first of the numbers.
@@ -268,18 +279,24 @@ static void add_direct(Path *path, const ShadingPoint *point, const WorldMateria
     if (rgb_is_black(bsdf.value)) {
         return;
     }
-    const Ray shadow = light_sample_ray(surface, &s);
-    Rgb visible;
-    if (!light_passed(path, point, wi, &shadow, &visible)) {
-        return;
-    }
+    path->shadow = light_sample_ray(surface, &s);
+    ++path->stats->shadow_rays;
     float pdf = s.pdf * chance;
     bool alone = s.delta || world->sampling == SAMPLING_LIGHT;
     float weight =
         alone ? 1 : power_heuristic(pdf, guided_pdf(cell, surface->p, s.direction, bsdf.pdf));
-    ++path->depth; // the light has been scattered here
-    add_radiance(path, rgb_mul(rgb_mul(s.value, bsdf.value), visible), weight / pdf);
-    --path->depth;
+    const Rgb value = rgb_mul(s.value, bsdf.value);
+    const int64_t depth = path->depth + 1; // the light has been scattered here
+    if (!world->media && !(world->all_lobes & LOBE_PASS)) {
+        path->direct = part_of(path, value, weight / pdf, depth);
+        path->waits = true;
+        return;
+    }
+    const Rgb passed = world->media ? surface_light_passed(point, &path->media, wi, &path->shadow)
+                                    : world_visibility(world, &path->shadow);
+    if (!rgb_is_black(passed)) {
+        add_part(path, part_of(path, rgb_mul(value, passed), weight / pdf, depth));
+    }
 }
 
 // Ends paths by chance, the dimmer the sooner; what survives is brighter by as much. That radiance
@@ -530,6 +547,7 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         SurfaceNumbers n;
         sampler_eight(path->sampler, first, n.all);
         const CosineDirection cosine = sample_cosine(n.u, n.v);
+        finish_direct(path);
         Hit hit;
         Surface surface;
         double outside;
@@ -569,15 +587,20 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         if (material->lobes & LOBE_SMOOTH) {
             add_direct(path, &point, material, cell, &n, first);
         }
-        const bool mirrored = path->depth == 0 && material->lobes & LOBE_DELTA &&
-                              world->shape_lights && add_mirrored(path, &point, material);
+        bool mirrored = false;
+        if (path->depth == 0 && material->lobes & LOBE_DELTA && world->shape_lights) {
+            finish_direct(path);
+            mirrored = add_mirrored(path, &point, material);
+        }
         uint32_t lobes;
         if (!scatter(path, &point, material, chosen, n.roulette, &ray, &lobes)) {
+            finish_direct(path);
             return;
         }
         const bool known = mirrored && path->depth == 1 && lobes & LOBE_DELTA;
         path->lamps = known ? LAMPS_WIDE : LAMPS_ALL;
     }
+    finish_direct(path);
 }
 
 static void begin(Path *path, const World *world, Sampler *sampler, IntegratorStats *stats)
@@ -592,6 +615,7 @@ static void begin(Path *path, const World *world, Sampler *sampler, IntegratorSt
     path->certain = true;
     path->chosen = path->far = false;
     path->chosen_at = 0;
+    path->waits = false;
     path->smooth_first = path->photons_find = path->lamps_apart = false;
     path->lamps = LAMPS_ALL;
     if (world->media) {
