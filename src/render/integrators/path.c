@@ -545,9 +545,9 @@ static void trace(Path *path, Ray ray, AovSample *aov)
     for (int64_t i = 0; i < world->bounces + MAX_PASSES; ++i) {
         const uint32_t first = dimension + (uint32_t)i * DIMENSIONS_PER_SURFACE;
         SurfaceNumbers n;
+        finish_direct(path);
         sampler_eight(path->sampler, first, n.all);
         const CosineDirection cosine = sample_cosine(n.u, n.v);
-        finish_direct(path);
         Hit hit;
         Surface surface;
         double outside;
