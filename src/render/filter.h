@@ -15,7 +15,7 @@ typedef enum FilterKind {
     FILTER_CENTER,          // the pixel's centre alone; has no width
 } FilterKind;
 
-enum { FILTER_CELLS = 256 };
+enum { FILTER_CELLS = 240 }; // a whole number of them in a pixel, for the usual widths
 
 typedef struct PixelFilter {
     FilterKind kind;
@@ -35,11 +35,16 @@ void filter_init(PixelFilter *filter, FilterKind kind, double width);
 double filter_cumulative(FilterKind kind, double x);
 // The offset from the pixel's centre, in pixels, for u in [0, 1).
 double filter_sample(const PixelFilter *filter, float u);
-// The density, over pixels, with which it chooses an offset; not for FILTER_CENTER.
+// The density, over pixels, with which it chooses an offset; not for FILTER_CENTER. Of what
+// filter_sample gives it is above 0, though rounding may bring that out of the support.
 static inline double filter_density(const PixelFilter *filter, double offset)
 {
-    const double x = offset * filter->cells + FILTER_CELLS / 2;
-    return x >= 0 && x < FILTER_CELLS ? filter->density[(int)x] : 0;
+    const double x = offset * filter->cells + FILTER_CELLS / 2, rounding = 1e-9;
+    if (!(x >= -rounding && x < FILTER_CELLS + rounding)) {
+        return 0;
+    }
+    const int cell = (int)x;
+    return filter->density[cell < FILTER_CELLS ? cell : FILTER_CELLS - 1];
 }
 
 #endif

@@ -58,6 +58,25 @@ static bool may_share(const Renderer *r)
            r->filter.kind != FILTER_CENTER && r->filter.width > 1 && r->filter.width <= SHARE_WIDTH;
 }
 
+// Where a pixel is as wide as a whole number of the filter's cells, all places of a cell lie in one
+// cell of each neighbour's, too.
+void share_fill_cells(Sharing *sharing, const PixelFilter *filter)
+{
+    const int step = (int)filter->cells;
+    sharing->has_cells = filter->cells == step;
+    for (int cell = 0; sharing->has_cells && cell < FILTER_CELLS; ++cell) {
+        ShareDensities *out = &sharing->cells[cell];
+        out->first = -((FILTER_CELLS - 1 - cell) / step);
+        out->count = 0;
+        double sum = 0;
+        for (int at = cell - out->first * step; at >= 0 && out->count < SHARE_WIDTH; at -= step) {
+            out->items[out->count++] = filter->density[at];
+            sum += filter->density[at];
+        }
+        out->over_sum = 1 / sum;
+    }
+}
+
 bool share_begin(Renderer *r)
 {
     const double mean = may_share(r) ? mean_to_share(r) : 0;
@@ -69,6 +88,7 @@ bool share_begin(Renderer *r)
         return false;
     }
     r->sharing.per_radiance = 1 / quantum;
+    share_fill_cells(&r->sharing, &r->filter);
     r->sharing.windows = mem_alloc_zeroed(r->options.threads, sizeof *r->sharing.windows);
     const size_t border = 2 * (size_t)r->film.reach;
     const size_t columns = r->tiles.tile_width + border, rows = r->tiles.tile_height + border;
@@ -129,15 +149,9 @@ void share_close(Renderer *r, ShareWindow *window)
 
 // --- Samples -------------------------------------------------------------------------------------
 
-// The densities, in one direction, with which the filters of the pixels around have a place drawn.
-typedef struct Densities {
-    int first, count; // from the own pixel
-    double sum;
-    double items[SHARE_WIDTH];
-} Densities;
-
-static inline void densities_at(const Renderer *r, uint32_t own, uint32_t size, double offset,
-                                Densities *out)
+// The pixels around whose filters reach a place, by the densities with which they have it drawn.
+static void densities_around(const Renderer *r, uint32_t own, uint32_t size, double offset,
+                             ShareDensities *out)
 {
     const PixelFilter *filter = &r->filter;
     const int reach = (int)r->film.reach, left = own < r->film.reach ? (int)own : reach;
@@ -147,12 +161,26 @@ static inline void densities_at(const Renderer *r, uint32_t own, uint32_t size, 
     const int last = after < right ? after : right;
     out->first = -(before < left ? before : left);
     out->count = 0;
-    out->sum = 0;
+    double sum = 0;
     for (int k = out->first; k <= last && out->count < SHARE_WIDTH; ++k) {
         const double density = filter_density(filter, offset - k);
         out->items[out->count++] = density;
-        out->sum += density;
+        sum += density;
     }
+    out->over_sum = 1 / sum;
+}
+
+// The same, from the table where the pixel isn't near the picture's rim.
+static inline const ShareDensities *densities_at(const Renderer *r, uint32_t own, uint32_t size,
+                                                 double offset, ShareDensities *room)
+{
+    const Sharing *sharing = &r->sharing;
+    if (sharing->has_cells && own >= r->film.reach && size - own > r->film.reach) {
+        const int cell = (int)(offset * r->filter.cells + FILTER_CELLS / 2);
+        return &sharing->cells[cell < 0 ? 0 : cell < FILTER_CELLS ? cell : FILTER_CELLS - 1];
+    }
+    densities_around(r, own, size, offset, room);
+    return room;
 }
 
 // All four numbers at once, rounded to the nearest whole ones if they are below 2^51.
@@ -160,12 +188,12 @@ typedef double Four __attribute__((vector_size(32)));
 
 #define WHOLE(x) (((x) + 0x1.8p52) - 0x1.8p52)
 
-VECTOR_CLONES static void add_to_patch(SharePatch *patch, const Densities *across,
-                                       const Densities *down, const ShareQuanta *light)
+VECTOR_CLONES static void add_to_patch(SharePatch *patch, const ShareDensities *across,
+                                       const ShareDensities *down, const ShareQuanta *light)
 {
     Four quanta;
     memcpy(&quanta, light, sizeof quanta);
-    const double scale = 1 / (across->sum * down->sum);
+    const double scale = across->over_sum * down->over_sum;
     for (int j = 0; j < down->count; ++j) {
         ShareQuanta *to = &patch->at[SHARE_REACH + down->first + j][SHARE_REACH + across->first];
         const double row = down->items[j] * scale;
@@ -192,10 +220,9 @@ void share_add(const Renderer *r, ShareWindow *window, uint32_t x, uint32_t y,
     if (!(most > 0 && most < MOST_QUANTA)) {
         return; // a pixel keeps what is too bright for itself
     }
-    Densities across, down;
-    densities_at(r, x, r->film.width, offset[0], &across);
-    densities_at(r, y, r->film.height, offset[1], &down);
-    add_to_patch(&window->patch, &across, &down, &quanta);
+    ShareDensities across, down;
+    add_to_patch(&window->patch, densities_at(r, x, r->film.width, offset[0], &across),
+                 densities_at(r, y, r->film.height, offset[1], &down), &quanta);
 }
 
 void share_drop(ShareWindow *window)

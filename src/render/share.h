@@ -29,6 +29,7 @@
 #define RENDER_SHARE_H
 
 #include "base/vec.h"
+#include "render/filter.h"
 #include "render/tiles.h"
 
 #include <stdbool.h>
@@ -59,9 +60,18 @@ typedef struct ShareWindow {
     SharePatch patch; // of the present pixel
 } ShareWindow;
 
+// The densities, in one direction, with which the filters of the pixels around have a place drawn.
+typedef struct ShareDensities {
+    int first, count; // from the own pixel
+    double over_sum;  // 1 over their sum
+    double items[SHARE_WIDTH];
+} ShareDensities;
+
 typedef struct Sharing {
-    double per_radiance;  // quanta
-    ShareWindow *windows; // of each thread; NULL: nothing is shared
+    double per_radiance;                // quanta
+    ShareDensities cells[FILTER_CELLS]; // for places in each cell of the own pixel's filter
+    bool has_cells;                     // they are filled
+    ShareWindow *windows;               // of each thread; NULL: nothing is shared
 } Sharing;
 
 // Makes the renderer ready to share, if its picture is such; its world, camera, filter and film
@@ -69,6 +79,8 @@ typedef struct Sharing {
 // out.
 bool share_begin(struct Renderer *r);
 void share_end(struct Renderer *r);
+// Fills the table of cells, as share_begin does; for tests.
+void share_fill_cells(Sharing *sharing, const PixelFilter *filter);
 
 // A tile's window, empty, for the thread that renders it; and the window's sums to the film's
 // gains.

@@ -425,7 +425,7 @@ static void adaptive_pieces_make_the_bytes_of_the_whole(void **state)
     (void)state;
     Fixture f;
     fixture_init(&f);
-    const StopRule rule = {.error = 0.33, .confidence = 0.9};
+    const StopRule rule = {.error = 0.315, .confidence = 0.9};
     RenderParams render = scene_render(&f.scene);
     render.stop = add_node(&f.scene, "until", &rule);
     assert_true(add_node(&f.scene, "render", &render) != NONE_ID);

@@ -22,6 +22,7 @@ static void begin_row(Renderer *r, FilterKind kind, double filter_width, uint32_
     assert_true(film_share(&r->film, 0x1p-28, (uint32_t)ceil(r->filter.width) - 1));
     r->tiles = (TileList){.width = width, .height = 1, .tile_width = width, .tile_height = 1};
     r->options.threads = 1;
+    share_fill_cells(&r->sharing, &r->filter);
     const size_t border = 2 * (size_t)r->film.reach;
     r->sharing.windows = mem_alloc_zeroed(1, sizeof *r->sharing.windows);
     assert_non_null(r->sharing.windows);
@@ -123,6 +124,29 @@ static void what_is_dropped_and_what_is_too_bright_counts_for_nothing(void **sta
     share_close(&r, window);
     assert_true(r.film.gains[5].sum[1] > 0);
     end_row(&r);
+}
+
+// A place at the very end of the support, where no other pixel's filter reaches: all stays.
+static void ends_of_filters_are_within_them(void **state)
+{
+    (void)state;
+    for (double width = 1.05; width <= SHARE_WIDTH; width += 0.01) {
+        for (int kind = FILTER_BOX; kind <= FILTER_BLACKMAN_HARRIS; ++kind) {
+            Renderer r;
+            begin_row(&r, (FilterKind)kind, width, 1);
+            const Tile tile = {0, 0, 1, 1};
+            ShareWindow *window = share_open(&r, 0, &tile);
+            const double low = filter_sample(&r.filter, 0);
+            const double high = filter_sample(&r.filter, 0x1.fffffep-1F);
+            const double offset[2] = {low, high};
+            assert_true(filter_density(&r.filter, low) > 0 && filter_density(&r.filter, high) > 0);
+            share_add(&r, window, 0, 0, offset, rgb_gray(1));
+            share_keep(&r, window, 0, 0);
+            share_close(&r, window);
+            assert_int_equal(r.film.gains[0].sum[0], 0);
+            end_row(&r);
+        }
+    }
 }
 
 // --- The film ------------------------------------------------------------------------------------
@@ -384,6 +408,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gains_are_none_in_the_mean),
         cmocka_unit_test(what_is_dropped_and_what_is_too_bright_counts_for_nothing),
+        cmocka_unit_test(ends_of_filters_are_within_them),
         cmocka_unit_test(ragged_pixels_show_their_own_samples),
         cmocka_unit_test(gains_of_other_quanta_are_merged),
         cmocka_unit_test(bytes_depend_on_neither_threads_nor_tiles),
