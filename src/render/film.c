@@ -145,7 +145,7 @@ void film_aov_join(AovPixel *pixel, const AovPixel *block)
     pixel->hits += block->hits;
 }
 
-static bool film_is_even(const Film *film)
+bool film_is_even(const Film *film)
 {
     const size_t count = film_pixel_count(film);
     for (size_t p = 0; p < count; ++p) {
@@ -251,10 +251,10 @@ static Rgb color_with_gain(const Film *film, size_t p)
     return rgb(color[0], color[1], color[2]);
 }
 
-Rgb film_color(const Film *film, size_t pixel)
+Rgb film_color(const Film *film, size_t pixel, bool even)
 {
-    return !film->gains || neighbours_agree(film, pixel) ? color_with_gain(film, pixel)
-                                                         : film_mean(&film->pixels[pixel]);
+    return !film->gains || even || neighbours_agree(film, pixel) ? color_with_gain(film, pixel)
+                                                                 : film_mean(&film->pixels[pixel]);
 }
 
 double film_luminance(const FilmPixel *pixel)
@@ -302,7 +302,7 @@ static void develop_rows(void *context, uint64_t item, unsigned worker)
     const size_t first = (size_t)item * ROWS_AT_ONCE, end = first + ROWS_AT_ONCE;
     const size_t last = end < d->film->height ? end : d->film->height;
     for (size_t p = first * d->film->width; p < last * d->film->width; ++p) {
-        Rgb color = d->even ? color_with_gain(d->film, p) : film_color(d->film, p);
+        Rgb color = film_color(d->film, p, d->even);
         if (!d->linear) {
             color = tone_apply(d->tone, rgb_scale(color, d->gain));
         }

@@ -109,8 +109,10 @@ FilmMerge film_merge(Film *film, const Film *part);
 
 // What the picture shows of a pixel: the mean of its samples and most of its gain. Where those with
 // which it shares have not all been given the same number of samples, as after a stop, it is the
-// former alone.
-Rgb film_color(const Film *film, size_t pixel);
+// former alone; `even`: all pixels are known to have the same number.
+Rgb film_color(const Film *film, size_t pixel, bool even);
+// Whether all pixels have the same number of samples.
+bool film_is_even(const Film *film);
 // The mean of a pixel's own samples.
 Rgb film_mean(const FilmPixel *pixel);
 // Its luminance; 0 without samples.

@@ -17,10 +17,10 @@ typedef struct ErrorSums {
     uint64_t count; // of pixels with a known variance
 } ErrorSums;
 
-static void take_pixel(Snapshot *to, const Film *film, size_t p, ErrorSums *sums)
+static void take_pixel(Snapshot *to, const Film *film, size_t p, bool even, ErrorSums *sums)
 {
     const FilmPixel *pixel = &film->pixels[p];
-    Rgb mean = film_color(film, p);
+    Rgb mean = film_color(film, p, even);
     to->radiance[3 * p] = mean.r;
     to->radiance[3 * p + 1] = mean.g;
     to->radiance[3 * p + 2] = mean.b;
@@ -49,13 +49,14 @@ static void take_from_under(Snapshot *to, uint32_t x, uint32_t y, const Snapshot
 static void take_film(Snapshot *to, const Film *film, const Snapshot *under)
 {
     ErrorSums sums = {0};
+    const bool even = film_is_even(film);
     for (uint32_t y = 0; y < film->height; ++y) {
         for (uint32_t x = 0; x < film->width; ++x) {
             size_t p = (size_t)y * film->width + x;
             if (film->pixels[p].samples == 0 && under) {
                 take_from_under(to, x, y, under);
             } else {
-                take_pixel(to, film, p, &sums);
+                take_pixel(to, film, p, even, &sums);
             }
         }
     }

@@ -165,7 +165,7 @@ static void ragged_pixels_show_their_own_samples(void **state)
         film.gains[p] = (FilmGain){{8, -8, -(INT64_C(1) << 40)}};
     }
     for (size_t p = 0; p < 9; ++p) {
-        const Rgb color = film_color(&film, p);
+        const Rgb color = film_color(&film, p, false);
         const bool agree = p < 3 || p > 6;
         const double gain = agree ? 0.7 * (p < 5 ? 0.5 : 2) : 0;
         assert_true(fabs((double)color.r - 2 - gain) < 1e-6);
@@ -297,7 +297,7 @@ static double share_of(Group group, const Renderer *model, const Film *film)
     for (int p = 0; p < PIXELS; ++p) {
         if (is_in(group, model, p)) {
             own += film_luminance(&film->pixels[p]);
-            shared += (double)luminance(film_color(film, (size_t)p));
+            shared += (double)luminance(film_color(film, (size_t)p, true));
         }
     }
     return shared / own;
@@ -322,7 +322,7 @@ static void errors_fall_and_means_stay(void **state)
         const Film *film = renderer_film(r);
         for (int p = 0; p < PIXELS; ++p) {
             const double a = film_luminance(&film->pixels[p]);
-            const double b = (double)luminance(film_color(film, (size_t)p));
+            const double b = (double)luminance(film_color(film, (size_t)p, true));
             add_to(&own, p, a);
             add_to(&shared, p, b);
             add_to(&gain, p, b - a);
