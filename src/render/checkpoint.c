@@ -1,5 +1,7 @@
 #include "render/checkpoint.h"
 
+#include "render/share.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>
@@ -187,13 +189,13 @@ static CheckpointResult get_texts(Checkpoint *checkpoint, Reason reason)
     return result;
 }
 
-// Gains are 0 and 0, or of a power of two and of a pixel or more.
+// Of sharing, 0 and 0, or a power of two and a pixel or more.
 static bool sharing_makes_sense(const CheckpointNumbers *n)
 {
     int exponent;
     return n->quantum == 0
                ? n->reach == 0
-               : frexp(n->quantum, &exponent) == 0.5 && n->reach > 0 && n->reach <= n->width;
+               : frexp(n->quantum, &exponent) == 0.5 && n->reach > 0 && n->reach <= SHARE_REACH;
 }
 
 // The numbers must make sense, and the file must have the length that follows from them.

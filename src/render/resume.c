@@ -235,7 +235,7 @@ static CheckpointResult check_samples(const Renderer *r, const CheckpointNumbers
 static void take_numbers(Renderer *r, const CheckpointNumbers *n)
 {
     if (r->film.gains) {
-        r->film.quantum = n->quantum; // another processor's may differ
+        share_use_quantum(r, n->quantum); // another processor's may differ
     }
     atomic_store(&r->rays, n->rays);
     atomic_store(&r->shadow_rays, n->shadow_rays);

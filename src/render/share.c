@@ -77,6 +77,12 @@ void share_fill_cells(Sharing *sharing, const PixelFilter *filter)
     }
 }
 
+void share_use_quantum(Renderer *r, double quantum)
+{
+    r->film.quantum = quantum;
+    r->sharing.per_radiance = 1 / quantum;
+}
+
 bool share_begin(Renderer *r)
 {
     const double mean = may_share(r) ? mean_to_share(r) : 0;
@@ -87,7 +93,7 @@ bool share_begin(Renderer *r)
     if (!film_share(&r->film, quantum, reach_of(&r->filter))) {
         return false;
     }
-    r->sharing.per_radiance = 1 / quantum;
+    share_use_quantum(r, quantum);
     share_fill_cells(&r->sharing, &r->filter);
     r->sharing.windows = mem_alloc_zeroed(r->options.threads, sizeof *r->sharing.windows);
     const size_t border = 2 * (size_t)r->film.reach;

@@ -79,6 +79,8 @@ typedef struct Sharing {
 // out.
 bool share_begin(struct Renderer *r);
 void share_end(struct Renderer *r);
+// Goes on with gains that a film had from elsewhere, in quanta of their own.
+void share_use_quantum(struct Renderer *r, double quantum);
 // Fills the table of cells, as share_begin does; for tests.
 void share_fill_cells(Sharing *sharing, const PixelFilter *filter);
 

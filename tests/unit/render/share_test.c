@@ -10,6 +10,9 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "render/renderer.h"
+#include "render/resume.h"
+
+#include <unistd.h>
 
 // --- Weights -------------------------------------------------------------------------------------
 
@@ -355,6 +358,52 @@ static void errors_fall_and_means_stay(void **state)
     maker_free(&m);
 }
 
+// A checkpoint's quantum is gone on with, whatever this processor would choose; and pictures may be
+// narrower than filters.
+static void checkpoints_bring_their_quantum(void **state)
+{
+    (void)state;
+    enum { NARROW = 1, HIGH = 5 };
+    char path[] = "/tmp/scn_share_XXXXXX", message[512];
+    const int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    close(fd);
+    SceneMaker m;
+    maker_init(&m);
+    put_scene(&m, "blackman_harris");
+    RenderOptions options = {
+        .threads = 1, .seed = 5, .samples = 4, .width = NARROW, .height = HIGH};
+    Renderer *first = rendered(&m, options);
+    const double quantum = first->film.quantum;
+    for (int p = 0; p < NARROW * HIGH; ++p) { // as of a processor with quanta half as large
+        for (int c = 0; c < 3; ++c) {
+            first->film.gains[p].sum[c] *= 2;
+        }
+    }
+    first->film.quantum = quantum / 2;
+    assert_true(renderer_save(first, (CheckpointTexts){0}, path, message, sizeof message));
+    options.samples = 64;
+    Renderer *second = renderer_new(&m.scene, &options, &m.sink);
+    assert_non_null(second);
+    assert_true(second->film.quantum == quantum);
+    assert_int_equal(renderer_load(second, path, message, sizeof message), CHECKPOINT_SOUND);
+    assert_true(second->film.quantum == quantum / 2);
+    assert_true(renderer_run(second, NULL));
+    Renderer *whole = rendered(&m, options);
+    for (size_t p = 0; p < NARROW * HIGH; ++p) {
+        const Rgb a = film_color(&second->film, p, true), b = film_color(&whole->film, p, true);
+        assert_true(b.g > 0 && fabs((double)a.g - (double)b.g) < 1e-6 * (double)b.g);
+        // With the other quantum all that came since would count half, or double.
+        assert_true(llabs(second->film.gains[p].sum[1] - 2 * whole->film.gains[p].sum[1]) <
+                    1 << 12);
+    }
+    renderer_free(first);
+    renderer_free(second);
+    renderer_free(whole);
+    maker_free(&m);
+    unlink(path);
+}
+
 // Nothing to share: filters that don't overlap, light that is scattered once, a rule to stop by.
 static void other_pictures_share_nothing(void **state)
 {
@@ -413,6 +462,7 @@ int main(void)
         cmocka_unit_test(gains_of_other_quanta_are_merged),
         cmocka_unit_test(bytes_depend_on_neither_threads_nor_tiles),
         cmocka_unit_test(errors_fall_and_means_stay),
+        cmocka_unit_test(checkpoints_bring_their_quantum),
         cmocka_unit_test(other_pictures_share_nothing),
         cmocka_unit_test(memory_running_out_is_reported),
     };
