@@ -118,8 +118,10 @@ static void clear_scene(Scene *scene)
     scene->instances.count = 0;
 }
 
-// The outer evaluator as it stands, with memory and a scene of the unit's own.
-static bool begin_unit(Unit *unit, const Eval *outer, bool is_caller, bool of_values)
+// The outer evaluator as it stands, with memory and a scene of the unit's own. Of `count` units
+// each may take its part of what is left of the memory; whatever wants more is done alone.
+static bool begin_unit(Unit *unit, const Eval *outer, uint32_t count, bool is_caller,
+                       bool of_values)
 {
     enum { STACK_KEPT = 512 << 10 };
     Eval *ev = &unit->ev;
@@ -129,7 +131,8 @@ static bool begin_unit(Unit *unit, const Eval *outer, bool is_caller, bool of_va
     ev->aside = true;
     ev->asides = NULL;
     ev->aside_region = outer->region;
-    ev->memory = (ArenaFamily){.limit = outer->memory.limit - outer->memory.reserved};
+    const size_t left = outer->memory.limit - outer->memory.reserved;
+    ev->memory = (ArenaFamily){.limit = left / count + 1}; // 0 would be none
     for (int i = 0; i < REGION_COUNT; ++i) {
         ev->regions[i] = (Arena){.on_oom = &ev->on_oom, .family = &ev->memory};
     }
@@ -167,7 +170,7 @@ static void run_unit(void *context, uint64_t item, unsigned worker)
     Unit *unit = &all->units[item];
     unit->done = unit->whole = false;
     const bool values = all->list != NULL;
-    if (!begin_unit(unit, all->outer, worker == 0, values)) {
+    if (!begin_unit(unit, all->outer, all->count, worker == 0, values)) {
         return;
     }
     if (setjmp(unit->ev.on_oom) == 0) {

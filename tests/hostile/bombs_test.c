@@ -249,10 +249,13 @@ static const File files[] = {
 
 // --- Running them --------------------------------------------------------------------------------
 
+// threads: NULL for as many as there are processors.
 static bool check(const char *program, const char *folder, const char *name, const char *text,
-                  const char *says, Worst *worst)
+                  const char *says, const char *threads, Worst *worst)
 {
-    const char *command[] = {"scene.scn", "-o", "out.exr", "-q", "--size", "16x16", NULL};
+    const char *command[] = {
+        "scene.scn", "-o", "out.exr", "-q", "--size", "16x16", threads ? "--threads" : NULL,
+        threads,     NULL};
     program_write(folder, "scene.scn", text, strlen(text));
     ProgramRun run;
     program_run(program, command, folder, (unsigned)(60 * slower), &run);
@@ -281,7 +284,15 @@ int main(int argc, char **argv)
             continue;
         }
         ++count;
-        failed += !check(argv[1], argv[2], bombs[i].name, bombs[i].text, bombs[i].says, &worst);
+        failed +=
+            !check(argv[1], argv[2], bombs[i].name, bombs[i].text, bombs[i].says, NULL, &worst);
+    }
+    // What is made beside one another shares the limit of memory.
+    if (program_takes(argc, argv, number++)) {
+        ++count;
+        failed +=
+            !check(argv[1], argv[2], "ranges_kept_by_32",
+                   "let a = [for (i in 0..<1000) range(0, 9_000_000)]", "error", "32", &worst);
     }
     for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i) {
         if (!program_takes(argc, argv, number++)) {
@@ -290,7 +301,7 @@ int main(int argc, char **argv)
         ++count;
         program_write(argv[2], files[i].name, files[i].bytes, files[i].size);
         const char *code = strncmp(files[i].text, "mesh", 4) == 0 ? "[E085" : "[E09";
-        failed += !check(argv[1], argv[2], files[i].name, files[i].text, code, &worst);
+        failed += !check(argv[1], argv[2], files[i].name, files[i].text, code, NULL, &worst);
     }
     printf("%d bombs, %d failed; the slowest was %s (%.2f s of the processor), the largest %s "
            "(%ld MiB)\n",
