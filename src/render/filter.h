@@ -35,16 +35,22 @@ void filter_init(PixelFilter *filter, FilterKind kind, double width);
 double filter_cumulative(FilterKind kind, double x);
 // The offset from the pixel's centre, in pixels, for u in [0, 1).
 double filter_sample(const PixelFilter *filter, float u);
-// The density, over pixels, with which it chooses an offset; not for FILTER_CENTER. Of what
-// filter_sample gives it is above 0, though rounding may bring that out of the support.
-static inline double filter_density(const PixelFilter *filter, double offset)
+// The cell of an offset; -1: it has none. What filter_sample gives has one, though rounding may
+// bring it out of the support. Not for FILTER_CENTER.
+static inline int filter_cell(const PixelFilter *filter, double offset)
 {
     const double x = offset * filter->cells + FILTER_CELLS / 2, rounding = 1e-9;
     if (!(x >= -rounding && x < FILTER_CELLS + rounding)) {
-        return 0;
+        return -1;
     }
     const int cell = (int)x;
-    return filter->density[cell < FILTER_CELLS ? cell : FILTER_CELLS - 1];
+    return cell < FILTER_CELLS ? cell : FILTER_CELLS - 1;
+}
+// The density, over pixels, with which it chooses an offset.
+static inline double filter_density(const PixelFilter *filter, double offset)
+{
+    const int cell = filter_cell(filter, offset);
+    return cell < 0 ? 0 : filter->density[cell];
 }
 
 #endif

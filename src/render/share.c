@@ -58,22 +58,36 @@ static bool may_share(const Renderer *r)
            r->filter.kind != FILTER_CENTER && r->filter.width > 1 && r->filter.width <= SHARE_WIDTH;
 }
 
+// The pixels around whose filters reach a place, by the densities with which they have it drawn.
+static void densities_around(const PixelFilter *filter, uint32_t own, uint32_t size, double offset,
+                             ShareDensities *out)
+{
+    const uint32_t reach = reach_of(filter);
+    const int left = (int)(own < reach ? own : reach);
+    const int right = (int)(size - 1 - own < reach ? size - 1 - own : reach);
+    // No more than so many on either side, towards which less than half a width is left.
+    const int before = (int)(filter->width / 2 - offset), after = (int)(filter->width / 2 + offset);
+    const int last = after < right ? after : right;
+    out->first = -(before < left ? before : left);
+    out->count = 0;
+    double sum = 0;
+    for (int k = out->first; k <= last && out->count < SHARE_WIDTH; ++k) {
+        const double density = filter_density(filter, offset - k);
+        out->items[out->count++] = density;
+        sum += density;
+    }
+    out->over_sum = 1 / sum;
+}
+
 // Where a pixel is as wide as a whole number of the filter's cells, all places of a cell lie in one
 // cell of each neighbour's, too.
 void share_fill_cells(Sharing *sharing, const PixelFilter *filter)
 {
-    const int step = (int)filter->cells;
-    sharing->has_cells = filter->cells == step;
+    const uint32_t reach = reach_of(filter);
+    sharing->has_cells = filter->cells == floor(filter->cells);
     for (int cell = 0; sharing->has_cells && cell < FILTER_CELLS; ++cell) {
-        ShareDensities *out = &sharing->cells[cell];
-        out->first = -((FILTER_CELLS - 1 - cell) / step);
-        out->count = 0;
-        double sum = 0;
-        for (int at = cell - out->first * step; at >= 0 && out->count < SHARE_WIDTH; at -= step) {
-            out->items[out->count++] = filter->density[at];
-            sum += filter->density[at];
-        }
-        out->over_sum = 1 / sum;
+        const double middle = (cell + 0.5 - FILTER_CELLS / 2) / filter->cells;
+        densities_around(filter, reach, 2 * reach + 1, middle, &sharing->cells[cell]);
     }
 }
 
@@ -155,37 +169,15 @@ void share_close(Renderer *r, ShareWindow *window)
 
 // --- Samples -------------------------------------------------------------------------------------
 
-// The pixels around whose filters reach a place, by the densities with which they have it drawn.
-static void densities_around(const Renderer *r, uint32_t own, uint32_t size, double offset,
-                             ShareDensities *out)
-{
-    const PixelFilter *filter = &r->filter;
-    const int reach = (int)r->film.reach, left = own < r->film.reach ? (int)own : reach;
-    const int right = size - 1 - own < r->film.reach ? (int)(size - 1 - own) : reach;
-    // No more than so many on either side, towards which less than half a width is left.
-    const int before = (int)(filter->width / 2 - offset), after = (int)(filter->width / 2 + offset);
-    const int last = after < right ? after : right;
-    out->first = -(before < left ? before : left);
-    out->count = 0;
-    double sum = 0;
-    for (int k = out->first; k <= last && out->count < SHARE_WIDTH; ++k) {
-        const double density = filter_density(filter, offset - k);
-        out->items[out->count++] = density;
-        sum += density;
-    }
-    out->over_sum = 1 / sum;
-}
-
 // The same, from the table where the pixel isn't near the picture's rim.
 static inline const ShareDensities *densities_at(const Renderer *r, uint32_t own, uint32_t size,
                                                  double offset, ShareDensities *room)
 {
     const Sharing *sharing = &r->sharing;
     if (sharing->has_cells && own >= r->film.reach && size - own > r->film.reach) {
-        const int cell = (int)(offset * r->filter.cells + FILTER_CELLS / 2);
-        return &sharing->cells[cell < 0 ? 0 : cell < FILTER_CELLS ? cell : FILTER_CELLS - 1];
+        return &sharing->cells[filter_cell(&r->filter, offset)];
     }
-    densities_around(r, own, size, offset, room);
+    densities_around(&r->filter, own, size, offset, room);
     return room;
 }
 

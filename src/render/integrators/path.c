@@ -170,25 +170,6 @@ typedef enum Arrival {
     ARRIVED,
 } Arrival;
 
-// What lies at a hit, as much of it as its material asks for. Of a flat piece little is worked out
-// without that, and its material is found on the way.
-static inline const WorldMaterial *reached_surface(const World *world, const Ray *ray,
-                                                   const Hit *hit, Surface *surface)
-{
-    const bool flat = hit->flat != 0;
-    if (flat) {
-        accel_surface_plain(world->accel, ray, hit, surface);
-    }
-    const WorldMaterial *material =
-        world_material(world, flat ? surface->material : accel_material(world->accel, hit));
-    if (material->whole) {
-        accel_surface(world->accel, ray, hit, surface);
-    } else if (!flat) {
-        accel_surface_plain(world->accel, ray, hit, surface);
-    }
-    return material;
-}
-
 // The present ray up to the next surface, and what lights emit along it.
 static inline Arrival arrive(Path *path, Ray *ray, Hit *hit, Surface *surface, double *outside,
                              const WorldMaterial **material)
@@ -203,7 +184,7 @@ static inline Arrival arrive(Path *path, Ray *ray, Hit *hit, Surface *surface, d
         add_escaped(path, ray->direction);
         return ARRIVED_NOWHERE;
     }
-    *material = reached_surface(world, ray, hit, surface);
+    *material = surface_reached(world, ray, hit, surface);
     if (surface_reach(world, &path->media, surface, hit->t, &path->throughput, outside)) {
         *ray = surface_spawn(surface, ray->direction);
         return ARRIVED_HIDDEN;

@@ -17,12 +17,7 @@ bool surface_hit_lean(const World *world, const Ray *ray, IntegratorStats *stats
     if (!accel_intersect(world->accel, ray, &out->hit)) {
         return false;
     }
-    const uint32_t material = accel_material(world->accel, &out->hit);
-    if (world_material(world, material)->whole) {
-        accel_surface(world->accel, ray, &out->hit, &out->surface);
-    } else {
-        accel_surface_plain(world->accel, ray, &out->hit, &out->surface);
-    }
+    surface_reached(world, ray, &out->hit, &out->surface);
     shading_point(world, &out->surface, ray->direction, &out->point);
     return true;
 }

@@ -14,6 +14,24 @@ typedef struct SurfaceHit {
     ShadingPoint point;
 } SurfaceHit;
 
+// What lies at a hit, as much of it as its material asks for, and that material. Of a flat piece
+// little is worked out without that, and its material is found on the way.
+static inline const WorldMaterial *surface_reached(const World *world, const Ray *ray,
+                                                   const Hit *hit, Surface *surface)
+{
+    const bool flat = hit->flat != 0;
+    if (flat) {
+        accel_surface_plain(world->accel, ray, hit, surface);
+    }
+    const WorldMaterial *material =
+        world_material(world, flat ? surface->material : accel_material(world->accel, hit));
+    if (material->whole) {
+        accel_surface(world->accel, ray, hit, surface);
+    } else if (!flat) {
+        accel_surface_plain(world->accel, ray, hit, surface);
+    }
+    return material;
+}
 // The nearest surface along a ray of unit direction, ready for shading; counts the ray. False where
 // it meets nothing.
 bool surface_hit(const World *world, const Ray *ray, IntegratorStats *stats, SurfaceHit *out);

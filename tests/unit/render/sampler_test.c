@@ -469,7 +469,6 @@ static void eight_at_once_are_the_same(void **state)
     }
 }
 
-// sample_disc against the sines and cosines that its series stand for (Shirley and Chiu 1997).
 // What the processor has for many dimensions at once gives what the plain function does, bit by
 // bit.
 static void all_ways_to_fill_are_the_same(void **state)
@@ -496,6 +495,7 @@ static void all_ways_to_fill_are_the_same(void **state)
     }
 }
 
+// sample_disc against the sines and cosines that its series stand for (Shirley and Chiu 1997).
 static void disc_follows_its_formula(void **state)
 {
     (void)state;
