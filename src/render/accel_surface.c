@@ -1,4 +1,5 @@
 // What lies at a hit, and rays that leave it; the parts of intersection that need no hierarchy.
+#include "base/hot.h"
 #include "render/accel_parts.h"
 #include "render/geometry.h"
 #include "render/shapes/flat.h"
@@ -345,7 +346,7 @@ void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *
     fill_surface(accel, ray, hit, true, out);
 }
 
-void accel_surface_plain(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out)
+HOT void accel_surface_plain(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out)
 {
     if (hit->flat - 1 < accel->flat_count && hit->instance == NONE_ID) {
         const AccelFlat *flat = &accel->flats[hit->flat - 1];

@@ -1,4 +1,5 @@
 // Rays against a group's few flat pieces, many at a time; see accel_parts.h.
+#include "base/hot.h"
 #include "base/mem.h"
 #include "render/accel_meet.h"
 
@@ -67,38 +68,82 @@ static uint32_t first_of(uint32_t bits, const float *from)
     return first;
 }
 
-bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const SweepRay *local,
-                           double begin, double speed, uint32_t instance, Hit *hit)
+// Those that may be met no farther than at `length`.
+static inline uint32_t within(uint32_t bits, const float *from, float length)
 {
-    float from[SWEEP_MOST];
-    uint32_t bits = candidates(group, ray, local, instance, from), best = NONE_ID;
-    Meeting nearest = {.distance = ray->tmax}, met;
-    const AccelFlat *flats = group->accel->flats + group->first_flat;
-    while (bits) {
-        const uint32_t i = first_of(bits, from);
-        bits &= ~(UINT32_C(1) << i);
-        if (!meet(&flats[i], ray, nearest.distance, true, &met)) {
-            continue;
-        }
-        nearest = met;
-        best = i;
-        // None of the others comes first if this one's error doesn't let it.
-        const float length = (float)(met.distance * speed - begin);
-        uint32_t left = 0;
-        for (; bits; bits &= bits - 1) {
-            left |= from[__builtin_ctz(bits)] > length ? 0 : bits & -bits;
-        }
-        bits = left;
+    uint32_t left = 0;
+    for (; bits; bits &= bits - 1) {
+        left |= from[__builtin_ctz(bits)] > length ? 0 : bits & -bits;
     }
-    if (best == NONE_ID) {
+    return left;
+}
+
+// A ray's candidates, after the first of them.
+typedef struct Others {
+    const float *from;
+    uint32_t bits;
+    double begin, speed; // of the ray: see accel_sweep_intersect
+    uint32_t best;       // the nearest that was met; NONE_ID: none was
+    Meeting nearest;
+} Others;
+
+// Goes on with those where the first wasn't met, or where it may not be the nearest.
+APART static bool intersect_others(const AccelGroup *group, const Ray *ray, Others *others,
+                                   uint32_t instance, Hit *hit)
+{
+    const AccelFlat *flats = group->accel->flats + group->first_flat;
+    double tmax = others->best == NONE_ID ? ray->tmax : others->nearest.distance;
+    while (others->bits) {
+        const uint32_t i = first_of(others->bits, others->from);
+        others->bits &= ~(UINT32_C(1) << i);
+        Meeting met;
+        if (meet(&flats[i], ray, tmax, true, &met)) {
+            others->nearest = met;
+            others->best = i;
+            tmax = met.distance;
+            const float length = (float)(tmax * others->speed - others->begin);
+            others->bits = within(others->bits, others->from, length);
+        }
+    }
+    if (others->best == NONE_ID) {
         return false;
     }
-    complete_hit(&flats[best], group->first_flat + best, &nearest, instance, hit);
+    complete_hit(&flats[others->best], group->first_flat + others->best, &others->nearest, instance,
+                 hit);
     return true;
 }
 
-bool accel_sweep_occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
-                          uint32_t instance)
+HOT bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const SweepRay *local,
+                               double begin, double speed, uint32_t instance, Hit *hit)
+{
+    float from[SWEEP_MOST];
+    uint32_t bits = candidates(group, ray, local, instance, from);
+    if (!bits) {
+        return false;
+    }
+    const AccelFlat *flats = group->accel->flats + group->first_flat;
+    const uint32_t first = first_of(bits, from);
+    bits &= ~(UINT32_C(1) << first);
+    Meeting met;
+    const bool is_met = meet(&flats[first], ray, ray->tmax, true, &met);
+    if (is_met) {
+        // None of the others comes first if this one's error doesn't let it.
+        bits = within(bits, from, (float)(met.distance * speed - begin));
+        if (!bits) {
+            complete_hit(&flats[first], group->first_flat + first, &met, instance, hit);
+            return true;
+        }
+    }
+    Others others = {.from = from, .bits = bits, .begin = begin, .speed = speed, .best = NONE_ID};
+    if (is_met) {
+        others.best = first;
+        others.nearest = met;
+    }
+    return intersect_others(group, ray, &others, instance, hit);
+}
+
+HOT bool accel_sweep_occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
+                              uint32_t instance)
 {
     float from[SWEEP_MOST];
     const AccelFlat *flats = group->accel->flats + group->first_flat;

@@ -1,5 +1,6 @@
 // Rays through the accelerator's groups by the fast way, and the callbacks of both ways; see
 // accel_parts.h.
+#include "base/hot.h"
 #include "render/accel_embree.h"
 
 // --- Rays -------------------------------------------------------------------------------------
@@ -18,8 +19,8 @@ typedef struct LocalRay {
 static inline bool local_ray(const AccelGroup *group, const Ray *ray, uint32_t instance,
                              LocalRay *out)
 {
-    out->origin = scale(sub(ray->origin, group->center), group->inverse_scale);
-    out->direction = ray->direction;
+    out->origin = scale(sub(vec3_apart(&ray->origin), group->center), group->inverse_scale);
+    out->direction = vec3_apart(&ray->direction);
     out->speed = group->inverse_scale;
     if (instance != NONE_ID) { // else of unit length
         const double size = length(ray->direction);
@@ -158,21 +159,23 @@ static bool hierarchy_intersect(const AccelGroup *group, const Ray *ray, const L
     return true;
 }
 
-bool group_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit)
+static inline bool sweep_intersect(const AccelGroup *group, const Ray *ray, const LocalRay *local,
+                                   uint32_t instance, Hit *hit)
+{
+    const SweepRay swept = sweep_ray(local);
+    return accel_sweep_intersect(group, ray, &swept, local->begin, local->speed, instance, hit);
+}
+
+HOT bool group_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit)
 {
     LocalRay local;
     if (!local_ray(group, ray, instance, &local)) {
         return false;
     }
-    bool found = false;
-    if (group->sweep_count) {
-        const SweepRay swept = sweep_ray(&local);
-        found = accel_sweep_intersect(group, ray, &swept, local.begin, local.speed, instance, hit);
+    if (!group->hierarchy) { // apart, so that nothing of the local ray is kept in memory
+        return group->sweep_count && sweep_intersect(group, ray, &local, instance, hit);
     }
-    if (!group->hierarchy) {
-        return found;
-    }
-    if (!found) {
+    if (!group->sweep_count || !sweep_intersect(group, ray, &local, instance, hit)) {
         return hierarchy_intersect(group, ray, local, instance, hit);
     }
     Ray nearer = *ray;
@@ -201,19 +204,24 @@ static bool hierarchy_occluded(const AccelGroup *group, const Ray *ray, const Lo
     return embree_ray.tfar < 0;
 }
 
-bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
+static inline bool sweep_occluded(const AccelGroup *group, const Ray *ray, const LocalRay *local,
+                                  uint32_t instance)
+{
+    const SweepRay swept = sweep_ray(local);
+    return accel_sweep_occluded(group, ray, &swept, instance);
+}
+
+HOT bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
 {
     LocalRay local;
     if (!local_ray(group, ray, instance, &local)) {
         return false;
     }
-    if (group->sweep_count) {
-        const SweepRay swept = sweep_ray(&local);
-        if (accel_sweep_occluded(group, ray, &swept, instance)) {
-            return true;
-        }
+    if (!group->hierarchy) {
+        return group->sweep_count && sweep_occluded(group, ray, &local, instance);
     }
-    return group->hierarchy && hierarchy_occluded(group, ray, local, instance);
+    return (group->sweep_count && sweep_occluded(group, ray, &local, instance)) ||
+           hierarchy_occluded(group, ray, local, instance);
 }
 
 // --- Callbacks: shapes ------------------------------------------------------------------------
@@ -434,7 +442,7 @@ void occluded_instance(const struct RTCOccludedFunctionNArguments *args)
 
 // --- Queries ----------------------------------------------------------------------------------
 
-bool accel_intersect(const Accel *accel, const Ray *ray, Hit *hit)
+HOT bool accel_intersect(const Accel *accel, const Ray *ray, Hit *hit)
 {
     if (accel->unbounded_count == 0) {
         return group_intersect(&accel->groups[0], ray, NONE_ID, hit);
@@ -448,7 +456,7 @@ bool accel_intersect(const Accel *accel, const Ray *ray, Hit *hit)
     return true;
 }
 
-bool accel_occluded(const Accel *accel, const Ray *ray)
+HOT bool accel_occluded(const Accel *accel, const Ray *ray)
 {
     Hit hit;
     return (accel->unbounded_count && accel_unbounded_hit(accel, ray, &hit)) ||

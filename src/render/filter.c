@@ -1,5 +1,6 @@
 #include "render/filter.h"
 
+#include "base/hot.h"
 #include "base/vec.h"
 
 double filter_default_width(FilterKind kind)
@@ -65,7 +66,7 @@ void filter_init(PixelFilter *filter, FilterKind kind, double width)
     }
 }
 
-double filter_sample(const PixelFilter *filter, float u)
+HOT double filter_sample(const PixelFilter *filter, float u)
 {
     if (!(filter->width > 0)) {
         return 0;

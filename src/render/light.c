@@ -44,6 +44,11 @@ static uint32_t slot_of(uint32_t shape, uint32_t instance, uint32_t mask)
     return hash_combine(hash_u32(shape), instance) & mask;
 }
 
+void light_infinite_ray(const Surface *surface, const LightSample *sample, Ray *out)
+{
+    *out = surface_spawn(surface, sample->direction);
+}
+
 static uint32_t find_shape(const LightSet *set, uint32_t shape, uint32_t instance)
 {
     for (uint32_t i = slot_of(shape, instance, set->slot_mask);; i = (i + 1) & set->slot_mask) {

@@ -136,18 +136,25 @@ const uint32_t *light_set_infinite(const LightSet *set, uint32_t *count);
 uint32_t light_choose(const LightSet *set, const LightReceiver *at, double u, float *chance);
 // The chance with which light_choose takes `light`.
 float light_chance(const LightSet *set, const LightReceiver *at, uint32_t light);
-// The ray from a surface to the light's point, or into infinity.
-static inline Ray light_sample_ray(const Surface *surface, const LightSample *sample)
-{
-    if (!(sample->distance < INFINITY)) {
-        return surface_spawn(surface, sample->direction);
-    }
-    Ray ray =
-        surface_spawn_to(surface, sample->point, sample->distance, sample->error, sample->facing);
-    ray.ends.target = sample->target;
-    return ray;
-}
+// The ray from a surface to the light's point, or into infinity. Filled in place: a copy would be
+// waited for (vec3_apart).
+static inline void light_sample_ray(const Surface *surface, const LightSample *sample, Ray *out);
+// The part of it for lights at infinity.
+void light_infinite_ray(const Surface *surface, const LightSample *sample, Ray *out);
 // The index of the light that a hit surface is, or NONE_ID.
 uint32_t light_of_surface(const struct World *world, const Surface *surface);
+
+// --- Inline --------------------------------------------------------------------------------------
+
+static inline void light_sample_ray(const Surface *surface, const LightSample *sample, Ray *out)
+{
+    if (!(sample->distance < INFINITY)) {
+        light_infinite_ray(surface, sample, out);
+        return;
+    }
+    *out =
+        surface_spawn_to(surface, sample->point, sample->distance, sample->error, sample->facing);
+    out->ends.target = sample->target;
+}
 
 #endif

@@ -1,4 +1,5 @@
 // The samples of one pixel: drawn in order, summed in blocks (see film.h).
+#include "base/hot.h"
 #include "render/renderer.h"
 
 enum { TICK_SAMPLES = 16 }; // samples from one look at the clock to the next
@@ -48,7 +49,7 @@ static bool filter_ray(const Renderer *r, const Site *site, float u, float v, Sa
     return camera_ray(&r->camera, film_x, film_y, lens_u, lens_v, &out->ray);
 }
 
-static bool sample_ray(const Renderer *r, const Site *site, Sampler *sampler, FilmRay *out)
+HOT static bool sample_ray(const Renderer *r, const Site *site, Sampler *sampler, FilmRay *out)
 {
     float u = 0.5F, v = 0.5F;
     if (r->filter.width > 0) {
@@ -166,8 +167,8 @@ static void start_ray(const Renderer *r, const Site *site, uint32_t sample, Star
     start->seen = sample_ray(r, site, &start->sampler, &start->film);
 }
 
-static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, Start *start,
-                       AovSample *aov, IntegratorStats *stats)
+HOT static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, Start *start,
+                           AovSample *aov, IntegratorStats *stats)
 {
     const bool apart = lamps_apart(r, site, stats);
     const Rgb lamps = apart ? lamps_seen(r, site, number, stats) : rgb_gray(0);
@@ -194,8 +195,8 @@ static void add_sample(FilmPixel *pixel, const Site *site, Rgb radiance)
 }
 
 // Adds samples [from, to) of this renderer to *sums; returns where it got before a stop.
-static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, uint32_t to,
-                             PixelSums *sums, TileCount *count)
+HOT static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, uint32_t to,
+                                 PixelSums *sums, TileCount *count)
 {
     IntegratorStats *stats = &count->rays;
     const bool aovs = site->stream->aovs != NULL;

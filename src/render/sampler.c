@@ -2,6 +2,7 @@
 
 #include "base/clones.h"
 #include "base/hash.h"
+#include "base/hot.h"
 #include "render/sobol_tables.h"
 
 #include <stdbool.h>
@@ -182,7 +183,7 @@ WIDE INLINE __m512i wide_reverse_bits(__m512i x)
                                _mm512_broadcast_i32x4(bytes));
 }
 
-WIDE static void fill_eight(Sampler *sampler, uint32_t dimension)
+WIDE HOT static void fill_eight(Sampler *sampler, uint32_t dimension)
 {
     const uint32_t set = dimension >> 2, seed = sampler->seed;
     const Eight sets = set + (Eight){0, 1, 2, 3, 4, 5, 6, 7};
@@ -226,7 +227,7 @@ int sampler_fills(SamplerFill *out[2])
     return count;
 }
 
-void sampler_fill(Sampler *sampler, uint32_t dimension)
+HOT void sampler_fill(Sampler *sampler, uint32_t dimension)
 {
 #if defined(__x86_64__)
     if (has_wide()) {

@@ -186,11 +186,11 @@ typedef double Four __attribute__((vector_size(32)));
 
 #define WHOLE(x) (((x) + 0x1.8p52) - 0x1.8p52)
 
+// `light` in radiance, of which a quantum is 1/per_radiance.
 VECTOR_CLONES static void add_to_patch(SharePatch *patch, const ShareDensities *across,
-                                       const ShareDensities *down, const ShareQuanta *light)
+                                       const ShareDensities *down, Rgb light, double per_radiance)
 {
-    Four quanta;
-    memcpy(&quanta, light, sizeof quanta);
+    const Four quanta = (Four){(double)light.r, (double)light.g, (double)light.b, 0} * per_radiance;
     const double scale = across->over_sum * down->over_sum;
     for (int j = 0; j < down->count; ++j) {
         ShareQuanta *to = &patch->at[SHARE_REACH + down->first + j][SHARE_REACH + across->first];
@@ -211,16 +211,13 @@ VECTOR_CLONES static void add_to_patch(SharePatch *patch, const ShareDensities *
 void share_add(const Renderer *r, ShareWindow *window, uint32_t x, uint32_t y,
                const double offset[2], Rgb light)
 {
-    const double scale = r->sharing.per_radiance;
-    const ShareQuanta quanta = {
-        {(double)light.r * scale, (double)light.g * scale, (double)light.b * scale, 0}};
-    const double most = (double)rgb_max(light) * scale;
+    const double scale = r->sharing.per_radiance, most = (double)rgb_max(light) * scale;
     if (!(most > 0 && most < MOST_QUANTA)) {
         return; // a pixel keeps what is too bright for itself
     }
     ShareDensities across, down;
     add_to_patch(&window->patch, densities_at(r, x, r->film.width, offset[0], &across),
-                 densities_at(r, y, r->film.height, offset[1], &down), &quanta);
+                 densities_at(r, y, r->film.height, offset[1], &down), light, scale);
 }
 
 void share_drop(ShareWindow *window)

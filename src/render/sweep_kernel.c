@@ -1,5 +1,7 @@
 #include "render/sweep_kernel.h"
 
+#include "base/hot.h"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 

@@ -82,7 +82,8 @@ static inline Rgb positive_tex(const TextureSet *set, const ColorTex *value, con
 // x held to [0, 1]; what isn't a number becomes 0.
 static inline float unit_clamp(float x)
 {
-    return x > 0 ? (x < 1 ? x : 1) : 0;
+    const float positive = x > 0 ? x : 0; // as processors have it in one instruction
+    return positive < 1 ? positive : 1;
 }
 // A fraction: a number held to [0, 1].
 static inline float fraction_tex(const TextureSet *set, const NumberTex *value,

@@ -173,7 +173,8 @@ static void sample_light(const Receiver *r, const Light *light, float chance, do
         !(sample.pdf > 0)) {
         return;
     }
-    Ray ray = light_sample_ray(&seen->surface, &sample);
+    Ray ray;
+    light_sample_ray(&seen->surface, &sample, &ray);
     const Rgb passed = rgb_mul(sample.value, world_visibility(seen->world, &ray));
     if (rgb_is_black(passed)) {
         return;

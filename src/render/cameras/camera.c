@@ -1,5 +1,6 @@
 #include "render/camera.h"
 
+#include "base/hot.h"
 #include "render/disc.h"
 
 void camera_setup(Camera *camera, const CameraParams *params, const Affine *transform, int width,
@@ -107,7 +108,7 @@ static bool local_ray(const Camera *camera, double x, double y, float lens_u, fl
     return true;
 }
 
-bool camera_ray(const Camera *camera, double x, double y, float lens_u, float lens_v, Ray *ray)
+HOT bool camera_ray(const Camera *camera, double x, double y, float lens_u, float lens_v, Ray *ray)
 {
     Vec3 origin, direction;
     if (!local_ray(camera, x, y, lens_u, lens_v, &origin, &direction)) {

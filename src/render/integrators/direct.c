@@ -193,7 +193,8 @@ static void add_light(Tree *tree, const Branch *branch, const ShadingPoint *poin
     if (rgb_is_black(bsdf.value)) {
         return;
     }
-    Ray shadow = light_sample_ray(surface, &s);
+    Ray shadow;
+    light_sample_ray(surface, &s, &shadow);
     ++tree->stats->shadow_rays;
     Rgb visible = surface_light_passed(point, &branch->media, wi, &shadow);
     float pdf = s.pdf * chance;

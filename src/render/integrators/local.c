@@ -92,7 +92,8 @@ static bool local_light(const World *world, const Light *light, Vec3 p, LocalLig
 
 static Rgb light_passed(const ShadingPoint *point, const LightSample *to, IntegratorStats *stats)
 {
-    Ray shadow = light_sample_ray(point->surface, to);
+    Ray shadow;
+    light_sample_ray(point->surface, to, &shadow);
     ++stats->shadow_rays;
     return world_visibility(point->world, &shadow);
 }

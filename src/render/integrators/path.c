@@ -15,10 +15,11 @@ enum { ROULETTE_START = 4, ROULETTE_LATEST = 8 };
 
 // Of density 0: none.
 static inline BsdfSample choose(const ShadingPoint *point, const WorldMaterial *material,
-                                const SurfaceNumbers *n, const CosineDirection *cosine)
+                                const Matt *matt, const SurfaceNumbers *n,
+                                const CosineDirection *cosine)
 {
-    if (is_plain_lambert(point, material)) {
-        return lambert_sample(point, material->params, cosine_vec3(cosine));
+    if (matt->is) {
+        return lambert_sample(point, matt->albedo, cosine_vec3(cosine));
     }
     BsdfSample out;
     if (!material_choose(point, material, n->lobe, n->u, n->v, &out)) {
@@ -59,8 +60,8 @@ static bool last_ray_needed(const World *world)
 
 // Chooses a direction by the material or by the cell, as if they were one (Veach and Guibas 1995,
 // one-sample model, balance heuristic).
-static BsdfSample choose_guided(const ShadingPoint *point, const WorldMaterial *material,
-                                const GuideCell *cell, const SurfaceNumbers *n)
+APART static BsdfSample choose_guided(const ShadingPoint *point, const WorldMaterial *material,
+                                      const GuideCell *cell, const SurfaceNumbers *n)
 {
     BsdfSample out;
     const Vec3 p = point->surface->p;
@@ -92,8 +93,8 @@ static BsdfSample choose_guided(const ShadingPoint *point, const WorldMaterial *
 }
 
 // Whether what traced lights emit along the next ray is left to photons.
-static void leave_to_photons(Path *path, const Surface *surface, const WorldMaterial *material,
-                             uint32_t lobes)
+APART static void leave_to_photons(Path *path, const Surface *surface,
+                                   const WorldMaterial *material, uint32_t lobes)
 {
     const bool delta = lobes & material->lobes & LOBE_DELTA;
     if (path->depth == 1) {
@@ -105,7 +106,7 @@ static void leave_to_photons(Path *path, const Surface *surface, const WorldMate
 
 // Chooses the next ray, and by which lobes; false where the path ends.
 static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *material,
-                    BsdfSample s, float number, Ray *ray, uint32_t *lobes)
+                    const Matt *matt, BsdfSample s, float number, Ray *ray, uint32_t *lobes)
 {
     const World *world = path->world;
     if (!(s.pdf > 0)) {
@@ -135,7 +136,7 @@ static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *
         path->pdf = s.pdf;
         path->certain = s.lobes & LOBE_DELTA;
         direction = from_local(&point->frame, s.wi);
-        if (!is_plain_lambert(point, material)) { // whose direction is of unit length as it is
+        if (!matt->is) { // whose direction is of unit length as it is
             direction = renormalize(direction);
         }
     }
@@ -144,7 +145,8 @@ static bool scatter(Path *path, const ShadingPoint *point, const WorldMaterial *
 }
 
 // After the last scattering a ray goes on through cut-outs alone, which scatter nothing.
-static bool pass_on(Path *path, const WorldMaterial *material, const Surface *surface, Ray *ray)
+APART static bool pass_on(Path *path, const WorldMaterial *material, const Surface *surface,
+                          Ray *ray)
 {
     if (!(material->lobes & LOBE_PASS)) {
         return false;
@@ -216,7 +218,7 @@ static void trace_lamps(Path *path, Ray ray)
 // of the surface that is seen first are looked along, for the sake of such lamps alone; what is
 // wide may be as bright by way of all lobes, and a choice between these is then no noise. False
 // where the one that the path takes will do, or they aren't known.
-static bool add_mirrored(Path *path, const ShadingPoint *point, const WorldMaterial *material)
+APART static bool add_mirrored(Path *path, const ShadingPoint *point, const WorldMaterial *material)
 {
     const World *world = path->world;
     BsdfSample lobes[DELTA_ROOM];
@@ -247,7 +249,7 @@ static bool add_mirrored(Path *path, const ShadingPoint *point, const WorldMater
     return true;
 }
 
-static void trace(Path *path, Ray ray, AovSample *aov)
+HOT static void trace(Path *path, Ray ray, AovSample *aov)
 {
     const World *world = path->world;
     uint32_t dimension = path->sampler->dimension;
@@ -291,10 +293,11 @@ static void trace(Path *path, Ray ray, AovSample *aov)
         *next_receiver(path) = surface_receiver(&point, material->lobes);
         const GuideCell *cell =
             is_guided(path, material) ? guide_find(world->guide, surface.p) : NULL;
+        const Matt matt = matt_at(&point, material);
         const BsdfSample chosen = cell ? choose_guided(&point, material, cell, &n)
-                                       : choose(&point, material, &n, &cosine);
+                                       : choose(&point, material, &matt, &n, &cosine);
         if (material->lobes & LOBE_SMOOTH) {
-            add_direct(path, &point, material, cell, &n, first);
+            add_direct(path, &point, material, &matt, cell, &n, first);
         }
         bool mirrored = false;
         if (path->depth == 0 && material->lobes & LOBE_DELTA && world->shape_lights) {
@@ -302,7 +305,7 @@ static void trace(Path *path, Ray ray, AovSample *aov)
             mirrored = add_mirrored(path, &point, material);
         }
         uint32_t lobes;
-        if (!scatter(path, &point, material, chosen, n.roulette, &ray, &lobes)) {
+        if (!scatter(path, &point, material, &matt, chosen, n.roulette, &ray, &lobes)) {
             finish_direct(path);
             return;
         }
@@ -359,8 +362,8 @@ static Rgb lamps(const World *world, const Ray *ray, Sampler *sampler, Integrato
     return found(&path);
 }
 
-static Rgb for_film(const World *world, const Ray *ray, Sampler *sampler, bool lamps_apart,
-                    AovSample *aov, Rgb *indirect, IntegratorStats *stats)
+HOT static Rgb for_film(const World *world, const Ray *ray, Sampler *sampler, bool lamps_apart,
+                        AovSample *aov, Rgb *indirect, IntegratorStats *stats)
 {
     Path path;
     begin(&path, world, sampler, stats);

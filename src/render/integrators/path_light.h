@@ -3,6 +3,7 @@
 #ifndef RENDER_INTEGRATORS_PATH_LIGHT_H
 #define RENDER_INTEGRATORS_PATH_LIGHT_H
 
+#include "base/hot.h"
 #include "render/integrators/surface_hit.h"
 #include "render/materials/lambert.h"
 
@@ -126,7 +127,7 @@ static inline bool found_apart(const Path *path)
     return path->depth == 0 && path->lamps_apart;
 }
 
-static void add_escaped(Path *path, Vec3 direction)
+APART static void add_escaped(Path *path, Vec3 direction)
 {
     const World *world = path->world;
     if (found_apart(path) || path->lamps == LAMPS_SMALL) {
@@ -156,7 +157,7 @@ static bool is_small(const Path *path, const Light *light)
     return length_squared(size) / 4 < most * most * length_squared(way);
 }
 
-static void add_emitted(Path *path, const Ray *ray, const Hit *hit, Surface *surface)
+APART static void add_emitted(Path *path, const Ray *ray, const Hit *hit, Surface *surface)
 {
     const World *world = path->world;
     uint32_t index = light_of_surface(world, surface);
@@ -226,16 +227,23 @@ static inline float guided_pdf(const GuideCell *cell, Vec3 p, Vec3 direction, fl
     return (1 - part) * bsdf + part * guide_pdf(cell, p, direction);
 }
 
-// The material's choices; the commonest material without calls, its numbers in registers.
-static inline bool is_plain_lambert(const ShadingPoint *point, const WorldMaterial *material)
+// The commonest material is asked without calls, its numbers in registers, and for its albedo once.
+typedef struct Matt {
+    bool is; // the surface is of that material
+    Rgb albedo;
+} Matt;
+
+static inline Matt matt_at(const ShadingPoint *point, const WorldMaterial *material)
 {
-    return material->class == &lambert_material && !point->bent;
+    const bool is = material->class == &lambert_material && !point->bent;
+    return (Matt){is, is ? lambert_albedo(point, material->params) : rgb_gray(0)};
 }
 
-static inline BsdfEval evaluate(const ShadingPoint *point, const WorldMaterial *material, Vec3 wi)
+static inline BsdfEval evaluate(const ShadingPoint *point, const WorldMaterial *material,
+                                const Matt *matt, Vec3 wi)
 {
-    if (is_plain_lambert(point, material)) {
-        return lambert_eval(point, material->params, wi);
+    if (matt->is) {
+        return lambert_eval(point, matt->albedo, wi);
     }
     BsdfEval out;
     material_evaluate(point, material, wi, &out);
@@ -244,7 +252,8 @@ static inline BsdfEval evaluate(const ShadingPoint *point, const WorldMaterial *
 
 // Light sampling: one direction to one light.
 static void add_direct(Path *path, const ShadingPoint *point, const WorldMaterial *material,
-                       const GuideCell *cell, const SurfaceNumbers *n, uint32_t dimension)
+                       const Matt *matt, const GuideCell *cell, const SurfaceNumbers *n,
+                       uint32_t dimension)
 {
     const World *world = path->world;
     const Surface *surface = point->surface;
@@ -254,11 +263,11 @@ static void add_direct(Path *path, const ShadingPoint *point, const WorldMateria
         return;
     }
     const Vec3 wi = to_local(&point->frame, s.direction);
-    const BsdfEval bsdf = evaluate(point, material, wi);
+    const BsdfEval bsdf = evaluate(point, material, matt, wi);
     if (rgb_is_black(bsdf.value)) {
         return;
     }
-    path->shadow = light_sample_ray(surface, &s);
+    light_sample_ray(surface, &s, &path->shadow);
     ++path->stats->shadow_rays;
     float pdf = s.pdf * chance;
     bool alone = s.delta || world->sampling == SAMPLING_LIGHT;

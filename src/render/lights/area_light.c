@@ -1,6 +1,7 @@
 // Shapes that emit: by an area_light node, or by their material.
 #include "render/lights/area_light.h"
 
+#include "base/hot.h"
 #include "render/world.h"
 #include "schema/photometry.h"
 
@@ -263,8 +264,8 @@ static inline bool take_aim(const AreaData *data, const ShapeAim *aim, Vec3 refe
 }
 
 // Sampled by solid angle where the shape can, else by area.
-static bool sample(const World *world, const Light *light, Vec3 reference, double u0, double u1,
-                   double u2, LightSample *out)
+HOT static bool sample(const World *world, const Light *light, Vec3 reference, double u0, double u1,
+                       double u2, LightSample *out)
 {
     const AreaData *data = light->data;
     const ShapeClass *class = data->class;

@@ -26,14 +26,14 @@ static uint32_t lobes(const World *world, const void *params)
 
 static void eval(const ShadingPoint *point, const void *params, Vec3 wi, BsdfEval *out)
 {
-    *out = lambert_eval(point, params, wi);
+    *out = lambert_eval(point, lambert_albedo(point, params), wi);
 }
 
 static bool sample(const ShadingPoint *point, const void *params, float lobe, float u, float v,
                    BsdfSample *out)
 {
     (void)lobe;
-    *out = lambert_sample(point, params, sample_cosine_hemisphere(u, v));
+    *out = lambert_sample(point, lambert_albedo(point, params), sample_cosine_hemisphere(u, v));
     return out->pdf > 0;
 }
 

@@ -20,22 +20,22 @@ static inline Rgb lambert_albedo(const ShadingPoint *point, const Lambert *lambe
     return reflectance_tex(point->world->textures, &lambert->color, point->surface);
 }
 
-// MaterialClass.eval: f = k/π on both sides; pdf = cos/π.
-static inline BsdfEval lambert_eval(const ShadingPoint *point, const Lambert *lambert, Vec3 wi)
+// MaterialClass.eval, of a surface of that albedo: f = k/π on both sides; pdf = cos/π.
+static inline BsdfEval lambert_eval(const ShadingPoint *point, Rgb albedo, Vec3 wi)
 {
     if (wi.z * point->wo.z <= 0) {
         return (BsdfEval){{0, 0, 0}, 0};
     }
     const float pdf = (float)(fabs(wi.z) * (1 / PI));
-    return (BsdfEval){rgb_scale(lambert_albedo(point, lambert), pdf), pdf};
+    return (BsdfEval){rgb_scale(albedo, pdf), pdf};
 }
 
 // MaterialClass.sample: the lobe's pdf is 0 where it chooses nothing.
-static inline BsdfSample lambert_sample(const ShadingPoint *point, const Lambert *lambert, Vec3 wi)
+static inline BsdfSample lambert_sample(const ShadingPoint *point, Rgb albedo, Vec3 wi)
 {
     const float pdf = (float)(wi.z * (1 / PI));
     wi.z = copysign(wi.z, point->wo.z);
-    return (BsdfSample){wi, lambert_albedo(point, lambert), pdf, 1, LOBE_REFLECT | LOBE_SMOOTH};
+    return (BsdfSample){wi, albedo, pdf, 1, LOBE_REFLECT | LOBE_SMOOTH};
 }
 
 #endif
