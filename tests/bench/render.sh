@@ -14,7 +14,7 @@ trap 'rm -rf "$work"' EXIT
 
 cpu() { # seconds of processor time of: size samples
     /usr/bin/time -f "%U %S" -o "$work/time" $build/bin/scnrender examples/cornell_box.scn --quiet \
-        --threads 1 --size "$1x$1" --samples "$2" -o "$work/picture.ppm"
+        --threads 1 --size "$1x$1" --samples "$2" -o "$work/picture.png"
     awk '{ print $1 + $2 }' "$work/time"
 }
 
