@@ -134,11 +134,7 @@ HOT bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const Sw
             return true;
         }
     }
-    Others others = {.from = from, .bits = bits, .begin = begin, .speed = speed, .best = NONE_ID};
-    if (is_met) {
-        others.best = first;
-        others.nearest = met;
-    }
+    Others others = {from, bits, begin, speed, is_met ? first : NONE_ID, met};
     return intersect_others(group, ray, &others, instance, hit);
 }
 

@@ -217,7 +217,7 @@ HOT bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t instan
     if (!local_ray(group, ray, instance, &local)) {
         return false;
     }
-    if (!group->hierarchy) {
+    if (!group->hierarchy) { // apart for the same reason
         return group->sweep_count && sweep_occluded(group, ray, &local, instance);
     }
     return (group->sweep_count && sweep_occluded(group, ray, &local, instance)) ||

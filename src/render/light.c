@@ -44,11 +44,6 @@ static uint32_t slot_of(uint32_t shape, uint32_t instance, uint32_t mask)
     return hash_combine(hash_u32(shape), instance) & mask;
 }
 
-void light_infinite_ray(const Surface *surface, const LightSample *sample, Ray *out)
-{
-    *out = surface_spawn(surface, sample->direction);
-}
-
 static uint32_t find_shape(const LightSet *set, uint32_t shape, uint32_t instance)
 {
     for (uint32_t i = slot_of(shape, instance, set->slot_mask);; i = (i + 1) & set->slot_mask) {
@@ -67,6 +62,11 @@ uint32_t light_of_surface(const World *world, const Surface *surface)
     }
     bool emits = world_material(world, surface->material)->lobes & LOBE_EMIT;
     return emits || surface->lamp ? find_shape(set, surface->shape, surface->instance) : NONE_ID;
+}
+
+void light_infinite_ray(const Surface *surface, const LightSample *sample, Ray *out)
+{
+    *out = surface_spawn(surface, sample->direction);
 }
 
 // --- Building -----------------------------------------------------------------------------------

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Where rendering makes the processor wait for numbers that it has just stored: the places that read
-# some of them otherwise than they were written, and how often a sample (waits.c). Two minutes.
+# some of them otherwise than they were written, and how often a sample (waits.c). Some minutes.
 # Usage: tests/bench/waits.sh [SCENE [LEAST]]   (LEAST: times a sample; needs valgrind, addr2line)
 set -eu
 cd "$(dirname "$0")/../.."
@@ -24,3 +24,7 @@ valgrind --tool=lackey --trace-mem=yes --log-fd=9 $program "$scene" --threads 1 
         place() { addr2line -s -e $program "$1" | sed 's/ .*//'; }
         echo "$(place "$reader") reads what $(place "$writer") wrote"
     done
+[ -s "$picture" ] || {
+    echo "waits.sh: $scene wasn't rendered" >&2
+    exit 1
+}
