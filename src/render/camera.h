@@ -31,6 +31,7 @@ typedef struct Camera {
     Affine to_world; // camera's own frame to the world, the node's transform included
     double half_width,
         half_height; // of the film's picture at distance 1 (orthographic: of the view)
+    bool pinhole;    // a perspective without a lens: all rays begin in one point
 } Camera;
 
 // Ready to make rays on a film of width × height pixels (square ones); `node` is a camera's id.

@@ -17,6 +17,7 @@ void camera_setup(Camera *camera, const CameraParams *params, const Affine *tran
         camera->half_height = params->fov / 2; // fisheye: an angle
     }
     camera->half_width = camera->half_height * aspect;
+    camera->pinhole = params->projection == CAMERA_PERSPECTIVE && !(params->aperture > 0);
 }
 
 void camera_prepare(Camera *camera, const Scene *scene, uint32_t node, int width, int height)
@@ -108,7 +109,8 @@ static bool local_ray(const Camera *camera, double x, double y, float lens_u, fl
     return true;
 }
 
-HOT bool camera_ray(const Camera *camera, double x, double y, float lens_u, float lens_v, Ray *ray)
+APART static bool other_ray(const Camera *camera, double x, double y, float lens_u, float lens_v,
+                            Ray *ray)
 {
     Vec3 origin, direction;
     if (!local_ray(camera, x, y, lens_u, lens_v, &origin, &direction)) {
@@ -116,9 +118,29 @@ HOT bool camera_ray(const Camera *camera, double x, double y, float lens_u, floa
     }
     ray->origin = transform_point(&camera->to_world, origin);
     ray->direction = normalize(transform_vector(&camera->to_world, direction));
+    return true;
+}
+
+// What local_ray's default is, moved to the world.
+static inline void pinhole_ray(const Camera *camera, double x, double y, Ray *ray)
+{
+    const Affine *a = &camera->to_world;
+    const double right = (2 * x - 1) * camera->half_width, top = (1 - 2 * y) * camera->half_height;
+    ray->origin = vec3(a->m[0][3], a->m[1][3], a->m[2][3]);
+    ray->direction = normalize(vec3(a->m[0][0] * right + a->m[0][1] * top - a->m[0][2],
+                                    a->m[1][0] * right + a->m[1][1] * top - a->m[1][2],
+                                    a->m[2][0] * right + a->m[2][1] * top - a->m[2][2]));
+}
+
+HOT bool camera_ray(const Camera *camera, double x, double y, float lens_u, float lens_v, Ray *ray)
+{
     ray->tmin = 0;
     ray->tmax = INFINITY;
     memset(&ray->ends, 0, sizeof ray->ends); // of all at once, it would be one slow instruction
+    if (!camera->pinhole) {
+        return other_ray(camera, x, y, lens_u, lens_v, ray);
+    }
+    pinhole_ray(camera, x, y, ray);
     return true;
 }
 
