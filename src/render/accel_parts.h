@@ -272,6 +272,9 @@ bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const SweepR
                            double begin, double speed, uint32_t instance, Hit *hit);
 bool accel_sweep_occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
                           uint32_t instance);
+// All of it for a group that has nothing else: the way to the group's coordinates, too.
+bool accel_swept_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit);
+bool accel_swept_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance);
 
 // --- The careful way (accel_surface.c) ----------------------------------------------------------
 

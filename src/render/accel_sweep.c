@@ -1,6 +1,7 @@
 // Rays against a group's few flat pieces, many at a time; see accel_parts.h.
 #include "base/hot.h"
 #include "base/mem.h"
+#include "render/accel_local.h"
 #include "render/accel_meet.h"
 
 // --- Making --------------------------------------------------------------------------------------
@@ -113,8 +114,8 @@ APART static bool intersect_others(const AccelGroup *group, const Ray *ray, Othe
     return true;
 }
 
-HOT bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const SweepRay *local,
-                               double begin, double speed, uint32_t instance, Hit *hit)
+static inline bool intersect(const AccelGroup *group, const Ray *ray, const SweepRay *local,
+                             double begin, double speed, uint32_t instance, Hit *hit)
 {
     float from[SWEEP_MOST];
     uint32_t bits = candidates(group, ray, local, instance, from);
@@ -138,8 +139,8 @@ HOT bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const Sw
     return intersect_others(group, ray, &others, instance, hit);
 }
 
-HOT bool accel_sweep_occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
-                              uint32_t instance)
+static inline bool occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
+                            uint32_t instance)
 {
     float from[SWEEP_MOST];
     const AccelFlat *flats = group->accel->flats + group->first_flat;
@@ -153,4 +154,36 @@ HOT bool accel_sweep_occluded(const AccelGroup *group, const Ray *ray, const Swe
         }
     }
     return false;
+}
+
+bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const SweepRay *local,
+                           double begin, double speed, uint32_t instance, Hit *hit)
+{
+    return intersect(group, ray, local, begin, speed, instance, hit);
+}
+
+bool accel_sweep_occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
+                          uint32_t instance)
+{
+    return occluded(group, ray, local, instance);
+}
+
+HOT bool accel_swept_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit)
+{
+    LocalRay local;
+    if (!group->sweep_count || !local_ray(group, ray, instance, &local)) {
+        return false;
+    }
+    const SweepRay swept = sweep_ray(&local);
+    return intersect(group, ray, &swept, local.begin, local.speed, instance, hit);
+}
+
+HOT bool accel_swept_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
+{
+    LocalRay local;
+    if (!group->sweep_count || !local_ray(group, ray, instance, &local)) {
+        return false;
+    }
+    const SweepRay swept = sweep_ray(&local);
+    return occluded(group, ray, &swept, instance);
 }

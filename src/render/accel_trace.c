@@ -2,57 +2,9 @@
 // accel_parts.h.
 #include "base/hot.h"
 #include "render/accel_embree.h"
+#include "render/accel_local.h"
 
 // --- Rays -------------------------------------------------------------------------------------
-
-// The distance from a group's middle within which all of it lies, and more.
-#define GROUP_RADIUS 1.75
-
-// A ray in a group's coordinates.
-typedef struct LocalRay {
-    Vec3 origin, direction; // direction of unit length
-    double speed;           // length for t = 1
-    double begin, end;      // lengths from the origin: where the ray begins and ends near the group
-} LocalRay;
-
-// False where the ray never comes near the group.
-static inline bool local_ray(const AccelGroup *group, const Ray *ray, uint32_t instance,
-                             LocalRay *out)
-{
-    out->origin = scale(sub(vec3_apart(&ray->origin), group->center), group->inverse_scale);
-    out->direction = vec3_apart(&ray->direction);
-    out->speed = group->inverse_scale;
-    if (instance != NONE_ID) { // else of unit length
-        const double size = length(ray->direction);
-        out->direction = scale(ray->direction, 1 / size);
-        out->speed *= size;
-    }
-    out->begin = ray->tmin > 0 ? ray->tmin * out->speed : 0;
-    out->end = ray->tmax * out->speed;
-    if (max_abs(out->origin) > 2) {
-        // The sphere about the unit cube, and a little more.
-        const double middle = -dot(out->origin, out->direction);
-        const double aside = length_squared(add_scaled(out->origin, out->direction, middle));
-        out->begin = larger(out->begin, middle - GROUP_RADIUS);
-        return aside < GROUP_RADIUS * GROUP_RADIUS && out->begin < out->end;
-    }
-    return true;
-}
-
-// Single precision is relative to the point where the ray comes near the group.
-static inline Vec3 local_start(const LocalRay *local)
-{
-    return local->begin > 0 ? add_scaled(local->origin, local->direction, local->begin)
-                            : local->origin;
-}
-
-static inline SweepRay sweep_ray(const LocalRay *local)
-{
-    const Vec3 o = local_start(local), d = local->direction;
-    return (SweepRay){{(float)o.x, (float)o.y, (float)o.z},
-                      {(float)d.x, (float)d.y, (float)d.z},
-                      (float)(local->end - local->begin)};
-}
 
 // Whether the point of a surface to which a ray leads may be one of this instance's.
 static bool ends_in_instance(const AccelGroup *group, const Ray *ray)
@@ -159,23 +111,16 @@ static bool hierarchy_intersect(const AccelGroup *group, const Ray *ray, const L
     return true;
 }
 
-static inline bool sweep_intersect(const AccelGroup *group, const Ray *ray, const LocalRay *local,
-                                   uint32_t instance, Hit *hit)
-{
-    const SweepRay swept = sweep_ray(local);
-    return accel_sweep_intersect(group, ray, &swept, local->begin, local->speed, instance, hit);
-}
-
-HOT bool group_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit)
+APART static bool intersect_both(const AccelGroup *group, const Ray *ray, uint32_t instance,
+                                 Hit *hit)
 {
     LocalRay local;
     if (!local_ray(group, ray, instance, &local)) {
         return false;
     }
-    if (!group->hierarchy) { // apart, so that nothing of the local ray is kept in memory
-        return group->sweep_count && sweep_intersect(group, ray, &local, instance, hit);
-    }
-    if (!group->sweep_count || !sweep_intersect(group, ray, &local, instance, hit)) {
+    const SweepRay swept = sweep_ray(&local);
+    if (!group->sweep_count || !accel_sweep_intersect(group, ray, &swept, local.begin, local.speed,
+                                                      instance, hit)) {
         return hierarchy_intersect(group, ray, local, instance, hit);
     }
     Ray nearer = *ray;
@@ -183,6 +128,12 @@ HOT bool group_intersect(const AccelGroup *group, const Ray *ray, uint32_t insta
     local.end = smaller(local.end, hit->t * local.speed);
     hierarchy_intersect(group, &nearer, local, instance, hit);
     return true;
+}
+
+HOT bool group_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit)
+{
+    return group->hierarchy ? intersect_both(group, ray, instance, hit)
+                            : accel_swept_intersect(group, ray, instance, hit);
 }
 
 static bool hierarchy_occluded(const AccelGroup *group, const Ray *ray, const LocalRay local,
@@ -204,24 +155,21 @@ static bool hierarchy_occluded(const AccelGroup *group, const Ray *ray, const Lo
     return embree_ray.tfar < 0;
 }
 
-static inline bool sweep_occluded(const AccelGroup *group, const Ray *ray, const LocalRay *local,
-                                  uint32_t instance)
-{
-    const SweepRay swept = sweep_ray(local);
-    return accel_sweep_occluded(group, ray, &swept, instance);
-}
-
-HOT bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
+APART static bool occluded_by_both(const AccelGroup *group, const Ray *ray, uint32_t instance)
 {
     LocalRay local;
     if (!local_ray(group, ray, instance, &local)) {
         return false;
     }
-    if (!group->hierarchy) { // apart for the same reason
-        return group->sweep_count && sweep_occluded(group, ray, &local, instance);
-    }
-    return (group->sweep_count && sweep_occluded(group, ray, &local, instance)) ||
+    const SweepRay swept = sweep_ray(&local);
+    return (group->sweep_count && accel_sweep_occluded(group, ray, &swept, instance)) ||
            hierarchy_occluded(group, ray, local, instance);
+}
+
+HOT bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
+{
+    return group->hierarchy ? occluded_by_both(group, ray, instance)
+                            : accel_swept_occluded(group, ray, instance);
 }
 
 // --- Callbacks: shapes ------------------------------------------------------------------------
@@ -442,11 +390,8 @@ void occluded_instance(const struct RTCOccludedFunctionNArguments *args)
 
 // --- Queries ----------------------------------------------------------------------------------
 
-HOT bool accel_intersect(const Accel *accel, const Ray *ray, Hit *hit)
+APART static bool intersect_unbounded(const Accel *accel, const Ray *ray, Hit *hit)
 {
-    if (accel->unbounded_count == 0) {
-        return group_intersect(&accel->groups[0], ray, NONE_ID, hit);
-    }
     if (!accel_unbounded_hit(accel, ray, hit)) {
         return group_intersect(&accel->groups[0], ray, NONE_ID, hit);
     }
@@ -456,9 +401,20 @@ HOT bool accel_intersect(const Accel *accel, const Ray *ray, Hit *hit)
     return true;
 }
 
-HOT bool accel_occluded(const Accel *accel, const Ray *ray)
+HOT bool accel_intersect(const Accel *accel, const Ray *ray, Hit *hit)
+{
+    return accel->unbounded_count ? intersect_unbounded(accel, ray, hit)
+                                  : group_intersect(&accel->groups[0], ray, NONE_ID, hit);
+}
+
+APART static bool occluded_by_unbounded(const Accel *accel, const Ray *ray)
 {
     Hit hit;
-    return (accel->unbounded_count && accel_unbounded_hit(accel, ray, &hit)) ||
+    return accel_unbounded_hit(accel, ray, &hit);
+}
+
+HOT bool accel_occluded(const Accel *accel, const Ray *ray)
+{
+    return (accel->unbounded_count && occluded_by_unbounded(accel, ray)) ||
            group_occluded(&accel->groups[0], ray, NONE_ID);
 }
