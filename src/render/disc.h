@@ -12,7 +12,8 @@ typedef long long DiscMask __attribute__((vector_size(16)));
 // Chiu 1997: concentric). Without branches, which half of all paths would take one way; the sine
 // and the cosine of an angle of at most π/4 are short series side by side, good to 2e-10, so that
 // directions don't depend on the C library.
-static inline DiscPair sample_disc_pair(float u, float v)
+// *radius: the point's distance from the middle, or that negative.
+static inline DiscPair sample_disc_pair(float u, float v, double *radius)
 {
     const DiscPair ab = {2 * (double)u - 1, 2 * (double)v - 1};
     const DiscPair ba = __builtin_shufflevector(ab, ab, 1, 0);
@@ -21,7 +22,7 @@ static inline DiscPair sample_disc_pair(float u, float v)
     const DiscMask wide = __builtin_shufflevector(wider, wider, 0, 0);
     // The larger of the two is the radius; the other tells the angle from its axis.
     const DiscPair larger_first = (DiscPair)(((DiscMask)ab & wide) | ((DiscMask)ba & ~wide));
-    const double r = larger_first[0];
+    const double r = *radius = larger_first[0];
     const double angle = r != 0 ? PI / 4 * (larger_first[1] / r) : 0;
     const double q = -angle * angle;
     DiscPair series = 1 + q * (DiscPair){1.0 / 110, 1.0 / 90};
@@ -36,7 +37,8 @@ static inline DiscPair sample_disc_pair(float u, float v)
 
 static inline Vec2 sample_disc(float u, float v)
 {
-    const DiscPair xy = sample_disc_pair(u, v);
+    double r;
+    const DiscPair xy = sample_disc_pair(u, v, &r);
     return (Vec2){xy[0], xy[1]};
 }
 
@@ -51,8 +53,8 @@ typedef struct CosineDirection {
 // known long before the series are; a step of Newton's method makes good what they lack.
 static inline CosineDirection sample_cosine(float u, float v)
 {
-    const double r = larger(fabs(2 * (double)u - 1), fabs(2 * (double)v - 1));
-    const DiscPair xy = sample_disc_pair(u, v), squares = xy * xy;
+    double r;
+    const DiscPair xy = sample_disc_pair(u, v, &r), squares = xy * xy;
     const double zz = 1 - r * r, z = sqrt(zz);
     const double over = 1.5 - 0.5 * (squares[0] + squares[1] + zz);
     return (CosineDirection){over * xy, over * z};

@@ -120,6 +120,8 @@ typedef struct WorldMaterial {
     const void *params;
     uint32_t lobes;
     bool whole;           // needs whole surfaces: textures, directions along them
+    bool is_even;         // matt, of the same albedo everywhere: `albedo`
+    Rgb albedo;           // in [0, 1]
     const Medium *medium; // on the back side; or NULL
 } WorldMaterial;
 

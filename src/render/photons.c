@@ -545,8 +545,7 @@ bool photon_trace(const Photons *p, const PhotonFilm *film, Sampler *sampler,
                   IntegratorStats *stats, PhotonSplat *out)
 {
     const World *world = p->world;
-    float first[8];
-    sampler_eight(sampler, 0, first);
+    const float *first = sampler_eight(sampler, 0);
     const StartNumbers n = {first[0], first[1], first[2], first[3],
                             first[4], first[5], first[6], first[7]};
     Photon photon;

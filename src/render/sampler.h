@@ -82,15 +82,16 @@ static inline double sampler_1d_fine(Sampler *sampler)
     return coarse + sampler_finer(sampler, dimension);
 }
 
-// The numbers of the eight dimensions from `dimension` on, a multiple of 4; goes on after them.
-static inline void sampler_eight(Sampler *sampler, uint32_t dimension, float out[8])
+// The numbers of the eight dimensions from `dimension` on, a multiple of 4; goes on after them. They
+// stay where they are until others are asked for.
+static inline const float *sampler_eight(Sampler *sampler, uint32_t dimension)
 {
     const uint32_t at = dimension - sampler->first;
     if (at >= sampler->held || sampler->held - at < 8) {
         sampler_fill(sampler, dimension);
     }
-    memcpy(out, sampler->values + (dimension - sampler->first), 8 * sizeof *out);
     sampler->dimension = dimension + 8;
+    return sampler->values + (dimension - sampler->first);
 }
 
 // Two numbers, from two dimensions of one set (a fourth dimension left over is passed over).

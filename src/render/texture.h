@@ -85,6 +85,10 @@ static inline float unit_clamp(float x)
     const float positive = x > 0 ? x : 0; // as processors have it in one instruction
     return positive < 1 ? positive : 1;
 }
+static inline Rgb unit_color(Rgb c)
+{
+    return rgb(unit_clamp(c.r), unit_clamp(c.g), unit_clamp(c.b));
+}
 // A fraction: a number held to [0, 1].
 static inline float fraction_tex(const TextureSet *set, const NumberTex *value,
                                  const Surface *surface)
@@ -95,8 +99,7 @@ static inline float fraction_tex(const TextureSet *set, const NumberTex *value,
 static inline Rgb reflectance_tex(const TextureSet *set, const ColorTex *value,
                                   const Surface *surface)
 {
-    Rgb c = color_tex(set, value, surface);
-    return rgb(unit_clamp(c.r), unit_clamp(c.g), unit_clamp(c.b));
+    return unit_color(color_tex(set, value, surface));
 }
 
 #endif

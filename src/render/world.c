@@ -5,6 +5,14 @@
 #include "render/materials/lambert.h"
 #include "render/render.h"
 
+// The commonest material's albedo, where it depends on nothing.
+static void keep_albedo(WorldMaterial *material)
+{
+    const Lambert *lambert = material->class == &lambert_material ? material->params : NULL;
+    material->is_even = lambert && lambert->color.texture == NONE_ID;
+    material->albedo = material->is_even ? unit_color(lambert->color.value) : rgb_gray(0);
+}
+
 bool world_resolve_materials(World *world)
 {
     const Scene *scene = world->scene;
@@ -23,6 +31,9 @@ bool world_resolve_materials(World *world)
     }
     materials[count] = (WorldMaterial){.class = &lambert_material, .params = &lambert_default};
     materials[count + 1] = (WorldMaterial){.class = &lambert_material, .params = &lambert_black};
+    for (uint32_t i = 0; i < count + 2; ++i) {
+        keep_albedo(&materials[i]);
+    }
     for (uint32_t i = 0; i <= count; ++i) {
         materials[i].lobes = material_lobes(world, i);
         materials[i].whole = material_needs_whole(world, i);

@@ -15,14 +15,13 @@ enum { ROULETTE_START = 4, ROULETTE_LATEST = 8 };
 
 // Of density 0: none.
 static inline BsdfSample choose(const ShadingPoint *point, const WorldMaterial *material,
-                                const Matt *matt, const SurfaceNumbers *n,
-                                const CosineDirection *cosine)
+                                const Matt *matt, const float *n, const CosineDirection *cosine)
 {
     if (matt->is) {
         return lambert_sample(point, matt->albedo, cosine_vec3(cosine));
     }
     BsdfSample out;
-    if (!material_choose(point, material, n->lobe, n->u, n->v, &out)) {
+    if (!material_choose(point, material, n[LOBE], n[BSDF_U], n[BSDF_V], &out)) {
         out.pdf = 0;
     }
     return out;
@@ -61,13 +60,13 @@ static bool last_ray_needed(const World *world)
 // Chooses a direction by the material or by the cell, as if they were one (Veach and Guibas 1995,
 // one-sample model, balance heuristic).
 APART static BsdfSample choose_guided(const ShadingPoint *point, const WorldMaterial *material,
-                                      const GuideCell *cell, const SurfaceNumbers *n)
+                                      const GuideCell *cell, const float *n)
 {
     BsdfSample out;
     const Vec3 p = point->surface->p;
     const float part = GUIDE_PART;
-    if (n->lobe < part) {
-        const Vec3 direction = guide_sample(cell, p, n->lobe / part, n->u, n->v);
+    if (n[LOBE] < part) {
+        const Vec3 direction = guide_sample(cell, p, n[LOBE] / part, n[BSDF_U], n[BSDF_V]);
         BsdfEval bsdf;
         out.wi = to_local(&point->frame, direction);
         material_evaluate(point, material, out.wi, &bsdf);
@@ -78,8 +77,8 @@ APART static BsdfSample choose_guided(const ShadingPoint *point, const WorldMate
         out.pdf = out.pdf < INFINITY ? out.pdf : 0;
         return out;
     }
-    const float lobe = fminf((n->lobe - part) / (1 - part), 0x1.fffffep-1F);
-    if (!material_choose(point, material, lobe, n->u, n->v, &out)) {
+    const float lobe = fminf((n[LOBE] - part) / (1 - part), 0x1.fffffep-1F);
+    if (!material_choose(point, material, lobe, n[BSDF_U], n[BSDF_V], &out)) {
         out.pdf = 0;
         return out;
     }
@@ -255,10 +254,9 @@ HOT static void trace(Path *path, Ray ray, AovSample *aov)
     uint32_t dimension = path->sampler->dimension;
     for (int64_t i = 0; i < world->bounces + MAX_PASSES; ++i) {
         const uint32_t first = dimension + (uint32_t)i * DIMENSIONS_PER_SURFACE;
-        SurfaceNumbers n;
         finish_direct(path);
-        sampler_eight(path->sampler, first, n.all);
-        const CosineDirection cosine = sample_cosine(n.u, n.v);
+        const float *n = sampler_eight(path->sampler, first);
+        const CosineDirection cosine = sample_cosine(n[BSDF_U], n[BSDF_V]);
         Hit hit;
         Surface surface;
         double outside;
@@ -294,10 +292,10 @@ HOT static void trace(Path *path, Ray ray, AovSample *aov)
         const GuideCell *cell =
             is_guided(path, material) ? guide_find(world->guide, surface.p) : NULL;
         const Matt matt = matt_at(&point, material);
-        const BsdfSample chosen = cell ? choose_guided(&point, material, cell, &n)
-                                       : choose(&point, material, &matt, &n, &cosine);
+        const BsdfSample chosen = cell ? choose_guided(&point, material, cell, n)
+                                       : choose(&point, material, &matt, n, &cosine);
         if (material->lobes & LOBE_SMOOTH) {
-            add_direct(path, &point, material, &matt, cell, &n, first);
+            add_direct(path, &point, material, &matt, cell, n, first);
         }
         bool mirrored = false;
         if (path->depth == 0 && material->lobes & LOBE_DELTA && world->shape_lights) {
@@ -305,7 +303,7 @@ HOT static void trace(Path *path, Ray ray, AovSample *aov)
             mirrored = add_mirrored(path, &point, material);
         }
         uint32_t lobes;
-        if (!scatter(path, &point, material, &matt, chosen, n.roulette, &ray, &lobes)) {
+        if (!scatter(path, &point, material, &matt, chosen, n[ROULETTE], &ray, &lobes)) {
             finish_direct(path);
             return;
         }

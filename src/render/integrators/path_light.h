@@ -8,8 +8,19 @@
 #include "render/materials/lambert.h"
 
 // Numbers of the sampler for each surface, two sets of four: two on the light, choice of the light
-// and of its part; two for the direction, choice of the lobe, roulette.
-enum { DIMENSIONS_PER_SURFACE = 8 };
+// and of its part, which may need more than 24 bits; two for the direction, choice of the lobe,
+// roulette. Drawn together, so that their dimensions are fixed.
+enum {
+    LIGHT_U,
+    LIGHT_V,
+    LIGHT,
+    LIGHT_PART,
+    BSDF_U,
+    BSDF_V,
+    LOBE,
+    ROULETTE,
+    DIMENSIONS_PER_SURFACE
+};
 
 // Which lamps the present ray is to find.
 typedef enum LampWays {
@@ -46,15 +57,6 @@ typedef struct Path {
     Ray shadow;
     MediumStack media; // the transparent bodies that the present ray is in
 } Path;
-
-// The numbers of one surface, drawn together so that their dimensions are fixed.
-typedef union SurfaceNumbers {
-    struct {
-        float light_u, light_v, light, light_part, u, v, lobe, roulette;
-    };
-    float all[DIMENSIONS_PER_SURFACE];
-} SurfaceNumbers;
-enum { LIGHT = 2, LIGHT_PART = 3 }; // dimensions of the choices that may need more than 24 bits
 
 static inline const LightReceiver *chosen_at(const Path *path)
 {
@@ -192,14 +194,14 @@ static inline void finish_direct(Path *path)
 }
 
 // Chooses a light, and a direction to it; `dimension` is that of the first of the numbers.
-static inline bool choose_direction(Path *path, const Surface *surface, const SurfaceNumbers *n,
+static inline bool choose_direction(Path *path, const Surface *surface, const float *n,
                                     uint32_t dimension, float *chance, LightSample *out)
 {
     const World *world = path->world;
     uint32_t index = world->only_light;
     *chance = 1;
     if (index == NONE_ID) {
-        const double u = finer(path, n->light, dimension + LIGHT);
+        const double u = finer(path, n[LIGHT], dimension + LIGHT);
         index = light_choose(world->lights, next_receiver(path), u, chance);
         if (index == NONE_ID) {
             return false;
@@ -210,8 +212,8 @@ static inline bool choose_direction(Path *path, const Surface *surface, const Su
         return false; // told soon, a third of surfaces cost little; else by the material
     }
     const double part =
-        light->parts ? finer(path, n->light_part, dimension + LIGHT_PART) : (double)n->light_part;
-    return light->class->sample(world, light, surface->p, (double)n->light_u, (double)n->light_v,
+        light->parts ? finer(path, n[LIGHT_PART], dimension + LIGHT_PART) : (double)n[LIGHT_PART];
+    return light->class->sample(world, light, surface->p, (double)n[LIGHT_U], (double)n[LIGHT_V],
                                 part, out) &&
            !rgb_is_black(out->value) && (world->sampling != SAMPLING_BSDF || out->delta);
 }
@@ -235,8 +237,11 @@ typedef struct Matt {
 
 static inline Matt matt_at(const ShadingPoint *point, const WorldMaterial *material)
 {
-    const bool is = material->class == &lambert_material && !point->bent;
-    return (Matt){is, is ? lambert_albedo(point, material->params) : rgb_gray(0)};
+    if (material->class != &lambert_material || point->bent) {
+        return (Matt){false, rgb_gray(0)};
+    }
+    return (Matt){true,
+                  material->is_even ? material->albedo : lambert_albedo(point, material->params)};
 }
 
 static inline BsdfEval evaluate(const ShadingPoint *point, const WorldMaterial *material,
@@ -252,8 +257,7 @@ static inline BsdfEval evaluate(const ShadingPoint *point, const WorldMaterial *
 
 // Light sampling: one direction to one light.
 static void add_direct(Path *path, const ShadingPoint *point, const WorldMaterial *material,
-                       const Matt *matt, const GuideCell *cell, const SurfaceNumbers *n,
-                       uint32_t dimension)
+                       const Matt *matt, const GuideCell *cell, const float *n, uint32_t dimension)
 {
     const World *world = path->world;
     const Surface *surface = point->surface;

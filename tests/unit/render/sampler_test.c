@@ -454,12 +454,11 @@ static void eight_at_once_are_the_same(void **state)
     (void)state;
     for (uint32_t first = 0; first < 64; first += 4) {
         Sampler one, many, fine;
-        float eight[8];
         sampler_start(&one, 1, 2, 3, first);
         many = fine = one;
         sampler_seek(&one, first);
         sampler_seek(&fine, first);
-        sampler_eight(&many, first, eight);
+        const float *eight = sampler_eight(&many, first);
         for (uint32_t d = 0; d < 8; ++d) {
             assert_true(sampler_1d(&one) == eight[d]);
             assert_true(sampler_1d_fine(&fine) ==
