@@ -1,6 +1,6 @@
 // What lies at a hit, and rays that leave it; the parts of intersection that need no hierarchy.
 #include "base/hot.h"
-#include "render/accel_parts.h"
+#include "render/accel_plain.h"
 #include "render/geometry.h"
 #include "render/shapes/flat.h"
 #include "render/shapes/mesh.h"
@@ -256,39 +256,6 @@ static bool shading_is_bent(const ShapePoint *point)
     return a.x != b.x || a.y != b.y || a.z != b.z;
 }
 
-// How rays start that leave the surface. `normal` is that of Embree's flat piece, in its group's
-// space.
-static inline void set_leaving(const Hit *hit, bool swept, Vec3 normal, Surface *out)
-{
-    out->flat = hit->flat;
-    out->near_edge = !hit->inside;
-    out->lifts = hit->flat && !swept;
-    if (out->lifts) {
-        out->own_normal[0] = (float)normal.x;
-        out->own_normal[1] = (float)normal.y;
-        out->own_normal[2] = (float)normal.z;
-    }
-}
-
-// What is known of a hit on a piece of the table in the world. No copies through memory.
-static void fill_plain_flat(const AccelFlat *flat, const Ray *ray, const Hit *hit, Surface *out)
-{
-    const Vec3 n = flat->normal;
-    out->p = hit->p;
-    out->geometric = n;
-    out->shading = n;
-    out->error = flat->error;
-    out->shape = flat->shape;
-    out->instance = NONE_ID;
-    out->primitive = flat->primitive;
-    out->material = flat->material;
-    out->front = dot(ray->direction, n) < 0;
-    out->lamp = flat->lamp;
-    out->bent = false;
-    out->whole = false;
-    set_leaving(hit, flat->swept, n, out);
-}
-
 static void fill_surface(const Accel *accel, const Ray *ray, const Hit *hit, bool whole,
                          Surface *out)
 {
@@ -315,7 +282,7 @@ static void fill_surface(const Accel *accel, const Ray *ray, const Hit *hit, boo
             point.tangent = point.bitangent = vec3(0, 0, 0);
         }
     }
-    set_leaving(hit, flat && flat->swept, point.geometric, out);
+    accel_set_leaving(hit, flat && flat->swept, point.geometric, out);
     if (instance && instance->transform) {
         accel_map_out(accel, instance->transform, &point);
     }
@@ -348,14 +315,12 @@ void accel_surface(const Accel *accel, const Ray *ray, const Hit *hit, Surface *
 
 HOT void accel_surface_plain(const Accel *accel, const Ray *ray, const Hit *hit, Surface *out)
 {
-    if (hit->flat - 1 < accel->flat_count && hit->instance == NONE_ID) {
-        const AccelFlat *flat = &accel->flats[hit->flat - 1];
-        if (!flat->smooth) {
-            fill_plain_flat(flat, ray, hit, out);
-            return;
-        }
+    const AccelFlat *flat = accel_plain_flat(accel, hit);
+    if (flat) {
+        accel_fill_plain(flat, ray, hit, out);
+    } else {
+        fill_surface(accel, ray, hit, false, out);
     }
-    fill_surface(accel, ray, hit, false, out);
 }
 
 uint32_t accel_material(const Accel *accel, const Hit *hit)

@@ -2,6 +2,7 @@
 #ifndef RENDER_INTEGRATORS_SURFACE_HIT_H
 #define RENDER_INTEGRATORS_SURFACE_HIT_H
 
+#include "render/accel_plain.h"
 #include "render/integrator.h"
 
 // So many surfaces that let light pass (cut-outs) are crossed by one ray; the next ends it.
@@ -19,8 +20,11 @@ typedef struct SurfaceHit {
 static inline const WorldMaterial *surface_reached(const World *world, const Ray *ray,
                                                    const Hit *hit, Surface *surface)
 {
+    const AccelFlat *plain = accel_plain_flat(world->accel, hit);
     const bool flat = hit->flat != 0;
-    if (flat) {
+    if (plain) {
+        accel_fill_plain(plain, ray, hit, surface);
+    } else if (flat) {
         accel_surface_plain(world->accel, ray, hit, surface);
     }
     const WorldMaterial *material =
