@@ -96,6 +96,15 @@
 #define SWEEP_AREA 0.0625
 typedef struct AccelGroup AccelGroup;
 
+// The sweep as one kind of processor has it: a ray against a group that has nothing else, the way
+// to the group's coordinates and the kernel in one function (accel_sweep_ways.c).
+typedef struct SweepWay {
+    SweepKernel *kernel;
+    // The nearest piece that is met before ray->tmax.
+    bool (*intersect)(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit);
+    bool (*occluded)(const AccelGroup *group, const Ray *ray, uint32_t instance);
+} SweepWay;
+
 // The balls of a run in Embree's coordinates, in single precision: what passes them by farther than
 // BALL_MARGIN misses them for certain. Those that a run of fewer lacks are far away, and have a
 // negative radius.
@@ -176,7 +185,7 @@ struct AccelGroup {
     uint32_t first_flat, sweep_count, quad_count, triangle_count;
     SweepBlock *sweep; // within sweep_memory
     void *sweep_memory;
-    SweepKernel *kernel;
+    const SweepWay *way;                 // never NULL, whatever there is to sweep
     uint32_t first_mesh, mesh_triangles; // the numbers of its other meshes' triangles
     AccelKind *kinds;
     uint32_t kind_count;
@@ -262,9 +271,9 @@ void accel_complete_hit(const Accel *accel, Hit *hit);
 // The way back.
 ShapeHit accel_primitive_hit(const AccelFlat *flat, const ShapeHit *hit);
 
-// --- The sweep (accel_sweep.c) ------------------------------------------------------------------
+// --- The sweep (accel_sweep.c, accel_sweep_ways.c) -----------------------------------------------
 
-// Fills group->sweep from its pieces. False when memory runs out.
+// Fills group->sweep from its pieces, and group->way. False when memory runs out.
 bool accel_make_sweep(AccelGroup *group);
 // The nearest piece that is met before ray->tmax; `local` is the ray in the group's coordinates
 // from `begin` on, where t = 1 is `speed`.
@@ -272,9 +281,8 @@ bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const SweepR
                            double begin, double speed, uint32_t instance, Hit *hit);
 bool accel_sweep_occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
                           uint32_t instance);
-// All of it for a group that has nothing else: the way to the group's coordinates, too.
-bool accel_swept_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit);
-bool accel_swept_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance);
+// All ways that this processor can go, the best last; returns how many.
+int accel_sweep_ways(const SweepWay *out[4]);
 
 // --- The careful way (accel_surface.c) ----------------------------------------------------------
 

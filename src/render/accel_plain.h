@@ -1,5 +1,5 @@
-// What lies at hits on the commonest surfaces, inline: paths spare the call, and find its numbers in
-// registers.
+// What lies at hits on the commonest surfaces, inline: paths spare the call, and find its numbers
+// in registers.
 #ifndef RENDER_ACCEL_PLAIN_H
 #define RENDER_ACCEL_PLAIN_H
 

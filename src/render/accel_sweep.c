@@ -1,8 +1,7 @@
 // Rays against a group's few flat pieces, many at a time; see accel_parts.h.
+#include "render/accel_sweep.h"
 #include "base/hot.h"
 #include "base/mem.h"
-#include "render/accel_local.h"
-#include "render/accel_meet.h"
 
 // --- Making --------------------------------------------------------------------------------------
 
@@ -20,6 +19,8 @@ static void put_function(float to[4][SWEEP_BLOCK], uint32_t lane, const AccelGro
 bool accel_make_sweep(AccelGroup *group)
 {
     const uint32_t count = group->sweep_count, blocks = (count + SWEEP_BLOCK - 1) / SWEEP_BLOCK;
+    const SweepWay *ways[4];
+    group->way = ways[accel_sweep_ways(ways) - 1];
     if (count == 0) {
         return true;
     }
@@ -30,7 +31,6 @@ bool accel_make_sweep(AccelGroup *group)
     }
     const uintptr_t address = (uintptr_t)group->sweep_memory + alignment - 1;
     group->sweep = (SweepBlock *)(address - address % alignment);
-    group->kernel = sweep_kernel_best();
     for (uint32_t i = 0; i < count; ++i) {
         const AccelFlat *flat = &group->accel->flats[group->first_flat + i];
         SweepBlock *block = &group->sweep[i / SWEEP_BLOCK];
@@ -48,54 +48,13 @@ bool accel_make_sweep(AccelGroup *group)
 
 // --- Sweeping ------------------------------------------------------------------------------------
 
-// The pieces that the ray may meet, but for the one that it leaves, which is plane.
-static inline uint32_t candidates(const AccelGroup *group, const Ray *ray, const SweepRay *local,
-                                  uint32_t instance, float *from)
-{
-    const uint32_t bits = group->kernel(group->sweep, group->sweep_count, local, from);
-    const uint32_t own = ray->ends.flat - 1 - group->first_flat;
-    const bool leaves = own < group->sweep_count && ray->ends.instance == instance;
-    return leaves ? bits & ~(UINT32_C(1) << own) : bits;
-}
-
-// The one of several that may be met first.
-static uint32_t first_of(uint32_t bits, const float *from)
-{
-    uint32_t first = (uint32_t)__builtin_ctz(bits);
-    for (bits &= bits - 1; bits; bits &= bits - 1) {
-        const uint32_t i = (uint32_t)__builtin_ctz(bits);
-        first = from[i] < from[first] ? i : first;
-    }
-    return first;
-}
-
-// Those that may be met no farther than at `length`.
-static inline uint32_t within(uint32_t bits, const float *from, float length)
-{
-    uint32_t left = 0;
-    for (; bits; bits &= bits - 1) {
-        left |= from[__builtin_ctz(bits)] > length ? 0 : bits & -bits;
-    }
-    return left;
-}
-
-// A ray's candidates, after the first of them.
-typedef struct Others {
-    const float *from;
-    uint32_t bits;
-    double begin, speed; // of the ray: see accel_sweep_intersect
-    uint32_t best;       // the nearest that was met; NONE_ID: none was
-    Meeting nearest;
-} Others;
-
-// Goes on with those where the first wasn't met, or where it may not be the nearest.
-APART static bool intersect_others(const AccelGroup *group, const Ray *ray, Others *others,
-                                   uint32_t instance, Hit *hit)
+bool accel_sweep_others(const AccelGroup *group, const Ray *ray, SweepOthers *others,
+                        uint32_t instance, Hit *hit)
 {
     const AccelFlat *flats = group->accel->flats + group->first_flat;
     double tmax = others->best == NONE_ID ? ray->tmax : others->nearest.distance;
     while (others->bits) {
-        const uint32_t i = first_of(others->bits, others->from);
+        const uint32_t i = sweep_first(others->bits, others->from);
         others->bits &= ~(UINT32_C(1) << i);
         Meeting met;
         if (meet(&flats[i], ray, tmax, true, &met)) {
@@ -103,7 +62,7 @@ APART static bool intersect_others(const AccelGroup *group, const Ray *ray, Othe
             others->best = i;
             tmax = met.distance;
             const float length = (float)(tmax * others->speed - others->begin);
-            others->bits = within(others->bits, others->from, length);
+            others->bits = sweep_within(others->bits, others->from, length);
         }
     }
     if (others->best == NONE_ID) {
@@ -114,76 +73,18 @@ APART static bool intersect_others(const AccelGroup *group, const Ray *ray, Othe
     return true;
 }
 
-static inline bool intersect(const AccelGroup *group, const Ray *ray, const SweepRay *local,
-                             double begin, double speed, uint32_t instance, Hit *hit)
-{
-    float from[SWEEP_MOST];
-    uint32_t bits = candidates(group, ray, local, instance, from);
-    if (!bits) {
-        return false;
-    }
-    const AccelFlat *flats = group->accel->flats + group->first_flat;
-    const uint32_t first = first_of(bits, from);
-    bits &= ~(UINT32_C(1) << first);
-    Meeting met;
-    const bool is_met = meet(&flats[first], ray, ray->tmax, true, &met);
-    if (is_met) {
-        // None of the others comes first if this one's error doesn't let it.
-        bits = within(bits, from, (float)(met.distance * speed - begin));
-        if (!bits) {
-            complete_hit(&flats[first], group->first_flat + first, &met, instance, hit);
-            return true;
-        }
-    }
-    Others others = {from, bits, begin, speed, is_met ? first : NONE_ID, met};
-    return intersect_others(group, ray, &others, instance, hit);
-}
-
-static inline bool occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
-                            uint32_t instance)
-{
-    float from[SWEEP_MOST];
-    const AccelFlat *flats = group->accel->flats + group->first_flat;
-    for (uint32_t bits = candidates(group, ray, local, instance, from); bits; bits &= bits - 1) {
-        const AccelFlat *flat = &flats[__builtin_ctz(bits)];
-        Meeting met;
-        // The way to a point of a lamp ends in its plane.
-        const bool target = flat->shape + 1 == ray->ends.target && instance == NONE_ID;
-        if (!target && meet(flat, ray, ray->tmax, true, &met)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 bool accel_sweep_intersect(const AccelGroup *group, const Ray *ray, const SweepRay *local,
                            double begin, double speed, uint32_t instance, Hit *hit)
 {
-    return intersect(group, ray, local, begin, speed, instance, hit);
+    float from[SWEEP_MOST];
+    const uint32_t bits = group->way->kernel(group->sweep, group->sweep_count, local, from);
+    return sweep_nearest(group, ray, bits, from, begin, speed, instance, hit);
 }
 
 bool accel_sweep_occluded(const AccelGroup *group, const Ray *ray, const SweepRay *local,
                           uint32_t instance)
 {
-    return occluded(group, ray, local, instance);
-}
-
-HOT bool accel_swept_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit)
-{
-    LocalRay local;
-    if (!group->sweep_count || !local_ray(group, ray, instance, &local)) {
-        return false;
-    }
-    const SweepRay swept = sweep_ray(&local);
-    return intersect(group, ray, &swept, local.begin, local.speed, instance, hit);
-}
-
-HOT bool accel_swept_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
-{
-    LocalRay local;
-    if (!group->sweep_count || !local_ray(group, ray, instance, &local)) {
-        return false;
-    }
-    const SweepRay swept = sweep_ray(&local);
-    return occluded(group, ray, &swept, instance);
+    float from[SWEEP_MOST];
+    const uint32_t bits = group->way->kernel(group->sweep, group->sweep_count, local, from);
+    return sweep_any(group, ray, bits, instance);
 }

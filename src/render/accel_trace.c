@@ -119,8 +119,8 @@ APART static bool intersect_both(const AccelGroup *group, const Ray *ray, uint32
         return false;
     }
     const SweepRay swept = sweep_ray(&local);
-    if (!group->sweep_count || !accel_sweep_intersect(group, ray, &swept, local.begin, local.speed,
-                                                      instance, hit)) {
+    if (!group->sweep_count ||
+        !accel_sweep_intersect(group, ray, &swept, local.begin, local.speed, instance, hit)) {
         return hierarchy_intersect(group, ray, local, instance, hit);
     }
     Ray nearer = *ray;
@@ -133,7 +133,7 @@ APART static bool intersect_both(const AccelGroup *group, const Ray *ray, uint32
 HOT bool group_intersect(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit)
 {
     return group->hierarchy ? intersect_both(group, ray, instance, hit)
-                            : accel_swept_intersect(group, ray, instance, hit);
+                            : group->way->intersect(group, ray, instance, hit);
 }
 
 static bool hierarchy_occluded(const AccelGroup *group, const Ray *ray, const LocalRay local,
@@ -169,7 +169,7 @@ APART static bool occluded_by_both(const AccelGroup *group, const Ray *ray, uint
 HOT bool group_occluded(const AccelGroup *group, const Ray *ray, uint32_t instance)
 {
     return group->hierarchy ? occluded_by_both(group, ray, instance)
-                            : accel_swept_occluded(group, ray, instance);
+                            : group->way->occluded(group, ray, instance);
 }
 
 // --- Callbacks: shapes ------------------------------------------------------------------------

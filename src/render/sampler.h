@@ -82,8 +82,8 @@ static inline double sampler_1d_fine(Sampler *sampler)
     return coarse + sampler_finer(sampler, dimension);
 }
 
-// The numbers of the eight dimensions from `dimension` on, a multiple of 4; goes on after them. They
-// stay where they are until others are asked for.
+// The numbers of the eight dimensions from `dimension` on, a multiple of 4; goes on after them.
+// They stay where they are until others are asked for.
 static inline const float *sampler_eight(Sampler *sampler, uint32_t dimension)
 {
     const uint32_t at = dimension - sampler->first;

@@ -30,9 +30,4 @@ typedef struct SweepRay {
 typedef uint32_t SweepKernel(const SweepBlock *blocks, uint32_t count, const SweepRay *ray,
                              float from[SWEEP_MOST]);
 
-// The best for this processor.
-SweepKernel *sweep_kernel_best(void);
-// All that it can run, for tests; returns how many.
-int sweep_kernels(SweepKernel *out[4]);
-
 #endif

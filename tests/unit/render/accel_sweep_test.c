@@ -1,17 +1,10 @@
-// The sweep's kernels, all that the processor can run, against double precision: what is hit is
-// always proposed, no farther than it is, and little else is.
+// The ways to sweep, all that the processor can go. Their kernels against double precision: what is
+// hit is always proposed, no farther than it is, and little else is. And that all find the same.
 #include "base/hash.h"
-#include "base/vec.h"
-#include "render/sweep_kernel.h"
+#include "render/accel_parts.h"
+#include "shapes.h"
 
-#include <setjmp.h>
 #include <stdalign.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 
 enum { RAYS = 20000 };
 
@@ -121,13 +114,13 @@ static void check_kernel(SweepKernel *kernel, uint32_t count, uint32_t *proposed
 static void what_is_hit_is_proposed(void **state)
 {
     (void)state;
-    SweepKernel *kernels[4];
-    const int kernel_count = sweep_kernels(kernels);
-    for (int k = 0; k < kernel_count; ++k) {
+    const SweepWay *ways[4];
+    const int way_count = accel_sweep_ways(ways);
+    for (int k = 0; k < way_count; ++k) {
         static const uint32_t counts[] = {1, 3, 8, 15, 16, 17, 32};
         uint32_t proposed = 0, hits = 0;
         for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i) {
-            check_kernel(kernels[k], counts[i], &proposed, &hits);
+            check_kernel(ways[k]->kernel, counts[i], &proposed, &hits);
         }
         printf("kernel %d: %u hits, %u proposed\n", k, hits, proposed);
         // All but those aimed at edges: about half of these miss.
@@ -135,8 +128,104 @@ static void what_is_hit_is_proposed(void **state)
     }
 }
 
+// Flat shapes alone, which are all swept; those of a prototype stand in two instances.
+static Scene *flat_scene(Random *r, int count, uint32_t *prototype)
+{
+    Scene *scene = calloc(1, sizeof *scene);
+    assert_non_null(scene);
+    assert_true(scene_init(scene, render_schema(), NULL));
+    *prototype = scene_add_prototype(scene, 0, (Span){0});
+    for (int i = 0; i < 2 * count; ++i) {
+        const Vec3 p = scale(random_direction(r), uniform(r));
+        const Vec3 d = random_direction(r), e = random_direction(r);
+        Params params =
+            i % 3 ? rectangle_params_of(p, d, e) : triangle_params_of(p, add(p, d), add(p, e));
+        add_shape(scene, &params, NULL, i % 2 ? *prototype : 0);
+    }
+    for (int i = 0; i < 2; ++i) {
+        const Affine to = affine_translation(vec3(3 + 2 * i, i, 0));
+        const SceneInstance instance = {.prototype = *prototype,
+                                        .transform = scene_add_transform(scene, &to),
+                                        .material = NONE_ID};
+        assert_true(array_push(&scene->instances, instance));
+    }
+    return scene;
+}
+
+// What the ways find along a ray, to the bit; *hit as the first finds it.
+static bool found_by_all(const AccelGroup *group, const Ray *ray, uint32_t instance, Hit *hit)
+{
+    const SweepWay *ways[4];
+    const int count = accel_sweep_ways(ways);
+    const bool found = ways[0]->intersect(group, ray, instance, hit);
+    for (int k = 0; k < count; ++k) {
+        Hit other;
+        assert_int_equal(ways[k]->occluded(group, ray, instance), found);
+        assert_int_equal(ways[k]->intersect(group, ray, instance, &other), found);
+        if (found) {
+            assert_true(other.t == hit->t && other.local.u == hit->local.u &&
+                        other.local.v == hit->local.v);
+            assert_int_equal(other.flat, hit->flat);
+            assert_int_equal(other.inside, hit->inside);
+            assert_int_equal(other.instance, instance);
+        }
+    }
+    return found;
+}
+
+// A ray from anywhere near the pieces, and where it meets one, a ray from there.
+static uint32_t check_ways(const Accel *accel, const AccelGroup *group, uint32_t instance,
+                           Random *r)
+{
+    const Vec3 from = scale(random_direction(r), between(r, 0, 3));
+    const Vec3 to = scale(random_direction(r), uniform(r));
+    const double pace = instance == NONE_ID ? 1 : between(r, 0.5, 2);
+    Ray ray = ray_make(from, scale(normalize(sub(to, from)), pace), 0, INFINITY);
+    if (uniform(r) < 0.3) {
+        ray.tmin = uniform(r);
+        ray.tmax = ray.tmin + 3 * uniform(r);
+    }
+    Hit hit;
+    if (!found_by_all(group, &ray, instance, &hit)) {
+        return 0;
+    }
+    if (instance == NONE_ID) {
+        Surface surface;
+        accel_surface_plain(accel, &ray, &hit, &surface);
+        const Ray next = surface_spawn(&surface, random_direction(r));
+        found_by_all(group, &next, instance, &hit);
+    }
+    return 1;
+}
+
+static void all_ways_find_the_same(void **state)
+{
+    (void)state;
+    static const int counts[] = {1, 7, 16, 17, 32};
+    Random r = random_make("ways to sweep", 34);
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i) {
+        uint32_t prototype, hits = 0;
+        Scene *scene = flat_scene(&r, counts[i], &prototype);
+        Accel *accel = accel_build(scene, 1);
+        assert_non_null(accel);
+        const AccelGroup *world = &accel->groups[0], *inner = &accel->groups[prototype];
+        assert_int_equal(world->sweep_count, counts[i]);
+        assert_int_equal(inner->sweep_count, counts[i]);
+        for (int k = 0; k < RAYS / 4; ++k) {
+            hits += check_ways(accel, world, NONE_ID, &r);
+            hits += check_ways(accel, inner, 1, &r);
+        }
+        printf("%d pieces: %u of %d rays hit\n", counts[i], hits, RAYS / 2);
+        assert_true(hits > RAYS / 100);
+        accel_free(accel);
+        scene_free(scene);
+        free(scene);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_hit_is_proposed)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_hit_is_proposed),
+                                       cmocka_unit_test(all_ways_find_the_same)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,12 @@
-#include "render/sweep_kernel.h"
-
+// The sweep, for each kind of processor; see accel_parts.h.
 #include "base/hot.h"
+#include "render/accel_sweep.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>
 
 // SIGNED(a, b): -a with the sign of b. With lanes of 4, fused operations missing.
-#define KERNEL kernel_sse2
+#define NAMED(of) of##_sse2
 #define TARGET
 #define LANES         4
 #define V             __m128
@@ -25,9 +25,9 @@
 #define LESS(a, b)    _mm_cmplt_ps(a, b)
 #define OR(a, b)      _mm_or_ps(a, b)
 #define BITS(mask)    (uint32_t) _mm_movemask_ps(mask)
-#include "render/sweep_kernel.inc"
+#include "render/accel_sweep_way.inc"
 
-#define KERNEL       kernel_avx2
+#define NAMED(of)    of##_avx2
 #define TARGET       __attribute__((target("avx2,fma")))
 #define LANES        8
 #define V            __m256
@@ -46,22 +46,22 @@
 #define LESS(a, b)   _mm256_cmp_ps(a, b, _CMP_LT_OQ)
 #define OR(a, b)     _mm256_or_ps(a, b)
 #define BITS(mask)   (uint32_t) _mm256_movemask_ps(mask)
-#include "render/sweep_kernel.inc"
+#include "render/accel_sweep_way.inc"
 
-#define KERNEL kernel_avx512
-#define TARGET __attribute__((target("avx512f")))
-#define LANES  16
-#define V      __m512
-#define SET    _mm512_set1_ps
-#define LOAD   _mm512_load_ps
-#define STORE  _mm512_storeu_ps
-#define ADD    _mm512_add_ps
-#define SUB    _mm512_sub_ps
-#define MUL    _mm512_mul_ps
-#define DIV    _mm512_div_ps
-#define FMA    _mm512_fmadd_ps
-#define FNMA   _mm512_fnmadd_ps
-#define ABS(a) _mm512_abs_ps(a)
+#define NAMED(of) of##_avx512
+#define TARGET    __attribute__((target("avx512f")))
+#define LANES     16
+#define V         __m512
+#define SET       _mm512_set1_ps
+#define LOAD      _mm512_load_ps
+#define STORE     _mm512_storeu_ps
+#define ADD       _mm512_add_ps
+#define SUB       _mm512_sub_ps
+#define MUL       _mm512_mul_ps
+#define DIV       _mm512_div_ps
+#define FMA       _mm512_fmadd_ps
+#define FNMA      _mm512_fnmadd_ps
+#define ABS(a)    _mm512_abs_ps(a)
 #define SIGNED(a, b)                                                                               \
     _mm512_castsi512_ps(_mm512_ternarylogic_epi32(_mm512_castps_si512(a), _mm512_castps_si512(b),  \
                                                   _mm512_set1_epi32(INT32_MIN), 0xd2))
@@ -69,17 +69,17 @@
 #define LESS(a, b) (uint32_t) _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ)
 #define OR(a, b)   ((a) | (b))
 #define BITS(mask) (mask)
-#include "render/sweep_kernel.inc"
+#include "render/accel_sweep_way.inc"
 
-int sweep_kernels(SweepKernel *out[4])
+int accel_sweep_ways(const SweepWay *out[4])
 {
     int count = 0;
-    out[count++] = kernel_sse2;
+    out[count++] = &way_sse2;
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-        out[count++] = kernel_avx2;
+        out[count++] = &way_avx2;
     }
     if (__builtin_cpu_supports("avx512f")) {
-        out[count++] = kernel_avx512;
+        out[count++] = &way_avx512;
     }
     return count;
 }
@@ -88,7 +88,7 @@ int sweep_kernels(SweepKernel *out[4])
 
 #include <math.h>
 
-#define KERNEL kernel_plain
+#define NAMED(of) of##_plain
 #define TARGET
 #define LANES         1
 #define V             float
@@ -107,18 +107,12 @@ int sweep_kernels(SweepKernel *out[4])
 #define LESS(a, b)    (uint32_t)((a) < (b))
 #define OR(a, b)      ((a) | (b))
 #define BITS(mask)    (mask)
-#include "render/sweep_kernel.inc"
+#include "render/accel_sweep_way.inc"
 
-int sweep_kernels(SweepKernel *out[4])
+int accel_sweep_ways(const SweepWay *out[4])
 {
-    out[0] = kernel_plain;
+    out[0] = &way_plain;
     return 1;
 }
 
 #endif
-
-SweepKernel *sweep_kernel_best(void)
-{
-    SweepKernel *all[4];
-    return all[sweep_kernels(all) - 1];
-}
