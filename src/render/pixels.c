@@ -147,8 +147,9 @@ typedef struct Start {
     bool seen; // the camera has such a ray
 } Start;
 
-// Samples are started before those before them are taken, their numbers before their rays: where a
-// path ends is a surprise, after which there would be nothing to do while each waits for the other.
+// Samples are started several at a time, their numbers before their rays: none of them waits for
+// another, where within one each step waits for the one before, and where a path ends is a
+// surprise, after which there would be nothing else to do meanwhile.
 enum { STARTS = 4 };
 
 static void start_numbers(const Renderer *r, const Site *site, uint32_t sample, Start *starts)
@@ -165,6 +166,17 @@ static void start_ray(const Renderer *r, const Site *site, uint32_t sample, Star
 {
     Start *start = &starts[sample % STARTS];
     start->seen = sample_ray(r, site, &start->sampler, &start->film);
+}
+
+static void start_samples(const Renderer *r, const Site *site, uint32_t from, uint32_t to,
+                          Start *starts)
+{
+    for (uint32_t i = from; i < to; ++i) {
+        start_numbers(r, site, i, starts);
+    }
+    for (uint32_t i = from; i < to; ++i) {
+        start_ray(r, site, i, starts);
+    }
 }
 
 HOT static Rgb take_sample(const Renderer *r, const Site *site, uint32_t number, Start *start,
@@ -201,22 +213,14 @@ HOT static uint32_t take_samples(Renderer *r, const Site *site, uint32_t from, u
     IntegratorStats *stats = &count->rays;
     const bool aovs = site->stream->aovs != NULL;
     Start starts[STARTS];
-    if (from < to) {
-        start_numbers(r, site, from, starts);
-        start_ray(r, site, from, starts);
-    }
-    if (from + 1 < to) {
-        start_numbers(r, site, from + 1, starts);
-    }
+    uint32_t started = from;
     for (; from < to && !renderer_stopped(r); ++from) {
         const uint32_t number = r->film.first_sample + from;
+        if (from == started) {
+            started = to - from < STARTS ? to : from + STARTS;
+            start_samples(r, site, from, started, starts);
+        }
         Start *start = &starts[from % STARTS];
-        if (from + 1 < to) {
-            start_ray(r, site, from + 1, starts);
-        }
-        if (from + 2 < to) {
-            start_numbers(r, site, from + 2, starts);
-        }
         if (aovs) {
             AovSample aov = {.object = 0};
             add_sample(&sums->color, site, take_sample(r, site, number, start, &aov, stats));
