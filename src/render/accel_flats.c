@@ -257,13 +257,21 @@ static int compare_corners(const void *a, const void *b)
                                 : (x->primitive > y->primitive) - (x->primitive < y->primitive);
 }
 
+#if defined(SCN_NO_SWEEP)
+enum { SWEEPS = 0 };
+#else
+enum { SWEEPS = 1 };
+#endif
+
 // Orders a group's pieces, from `first` on, and chooses those that are swept.
 static void arrange(FlatArray *all, AccelGroup *group)
 {
     AccelFlat *flats = all->items + group->first_flat;
     const size_t count = all->count - group->first_flat;
     uint32_t swept = 0;
-    if (count <= SWEEP_MOST) {
+    if (!SWEEPS) {
+        qsort(flats, count, sizeof *flats, compare_corners);
+    } else if (count <= SWEEP_MOST) {
         swept = (uint32_t)count;
     } else {
         qsort(flats, count, sizeof *flats, compare_areas);
