@@ -84,7 +84,7 @@ static bool pieces_make(Pieces *pieces, int corners, size_t count)
 {
     const size_t each = (size_t)corners;
     *pieces = (Pieces){mem_alloc(3 * each * count + 4, sizeof(float)),
-                       mem_alloc(each * count, sizeof(uint32_t)), 0, corners};
+                       mem_alloc(each * count, sizeof(uint32_t)), count, corners};
     return pieces->vertices && pieces->indices;
 }
 
@@ -112,8 +112,9 @@ static Vec3 grown_corner(Vec3 p, Vec3 u, Vec3 v)
     return add_scaled(p, inwards, -FLAT_GROWTH / (2 * cosine * fmax(sine, FLAT_SHARPEST)));
 }
 
-// Appends a piece with corners in the group's space, grown where it has an area.
-static bool pieces_add(Pieces *pieces, const AccelGroup *group, const Vec3 *at)
+// Fills the piece `index` with corners in the group's space, grown where it has an area; false
+// where it has none.
+static bool pieces_fill(const Pieces *pieces, size_t index, const AccelGroup *group, const Vec3 *at)
 {
     const int n = pieces->corners;
     Vec3 corners[4], edges[4];
@@ -129,14 +130,13 @@ static bool pieces_add(Pieces *pieces, const AccelGroup *group, const Vec3 *at)
         if (good) {
             p = grown_corner(p, normalize(edges[i]), neg(normalize(edges[(i + n - 1) % n])));
         }
-        const size_t number = (size_t)n * pieces->count + (size_t)i;
+        const size_t number = (size_t)n * index + (size_t)i;
         float *out = pieces->vertices + 3 * number;
         out[0] = (float)p.x;
         out[1] = (float)p.y;
         out[2] = (float)p.z;
         pieces->indices[number] = (uint32_t)number;
     }
-    ++pieces->count;
     return good;
 }
 
@@ -156,8 +156,8 @@ static bool fill_quads(const AccelGroup *group, Pieces *pieces)
     const AccelFlat *flats = group->accel->flats + accel_first_flat(group, GEOMETRY_QUADS);
     for (uint32_t i = 0; i < group->quad_count; ++i) {
         const AccelFlat *f = &flats[i];
-        pieces_add(
-            pieces, group,
+        pieces_fill(
+            pieces, i, group,
             (const Vec3[]){f->corner, add(f->corner, f->u), far_corner(f), add(f->corner, f->v)});
     }
     return true;
@@ -171,28 +171,54 @@ static bool fill_triangles(const AccelGroup *group, Pieces *pieces)
     const AccelFlat *flats = group->accel->flats + accel_first_flat(group, GEOMETRY_TRIANGLES);
     for (uint32_t i = 0; i < group->triangle_count; ++i) {
         const AccelFlat *f = &flats[i];
-        pieces_add(pieces, group,
-                   (const Vec3[]){f->corner, add(f->corner, f->u), add(f->corner, f->v)});
+        pieces_fill(pieces, i, group,
+                    (const Vec3[]){f->corner, add(f->corner, f->u), add(f->corner, f->v)});
     }
     return true;
 }
 
-static bool fill_mesh(const AccelKind *kind, Pieces *pieces, AccelIssues *issues)
+// Large meshes are filled in parts, by threads.
+enum { MESH_PART = 16384 };
+
+typedef struct MeshFilling {
+    const AccelKind *kind;
+    const Pieces *pieces;
+    atomic_uint_fast64_t degenerate;
+} MeshFilling;
+
+static void fill_mesh_part(void *context, uint64_t part, unsigned worker)
 {
+    (void)worker;
+    MeshFilling *filling = context;
+    const AccelKind *kind = filling->kind;
     const Scene *scene = kind->accel->scene;
     const Mesh *mesh = kind->mesh;
     const Affine *to_group = kind->transform ? &scene->transforms.items[kind->transform] : NULL;
-    if (!pieces_make(pieces, 3, mesh->triangle_count)) {
-        return false;
-    }
-    for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
+    const size_t begin = (size_t)part * MESH_PART;
+    const size_t rest = mesh->triangle_count - begin,
+                 end = begin + (rest < MESH_PART ? rest : MESH_PART);
+    uint64_t degenerate = 0;
+    for (size_t i = begin; i < end; ++i) {
         Vec3 corners[3];
-        for (uint32_t k = 0; k < 3; ++k) {
-            Vec3 p = mesh_vertex(mesh, mesh->triangles[3 * (size_t)i + k]);
+        for (size_t k = 0; k < 3; ++k) {
+            Vec3 p = mesh_vertex(mesh, mesh->triangles[3 * i + k]);
             corners[k] = to_group ? transform_point(to_group, p) : p;
         }
-        issues->degenerate += !pieces_add(pieces, kind->group, corners);
+        degenerate += !pieces_fill(filling->pieces, i, kind->group, corners);
     }
+    atomic_fetch_add_explicit(&filling->degenerate, degenerate, memory_order_relaxed);
+}
+
+static bool fill_mesh(const AccelKind *kind, Pieces *pieces, AccelIssues *issues)
+{
+    const size_t count = kind->mesh->triangle_count;
+    if (!pieces_make(pieces, 3, count)) {
+        return false;
+    }
+    MeshFilling filling = {.kind = kind, .pieces = pieces, .degenerate = 0};
+    parallel_for((count + MESH_PART - 1) / MESH_PART, kind->accel->threads, fill_mesh_part,
+                 &filling, NULL);
+    issues->degenerate += filling.degenerate;
     return true;
 }
 

@@ -83,16 +83,18 @@ static void trace_chunk(void *context, uint64_t item, unsigned worker)
     PhotonChunk *chunk = &r->caustics.chunks[item];
     const uint64_t first = item * CHUNK;
     const uint64_t end = round->count - first < CHUNK ? round->count : first + CHUNK;
-    chunk->count = 0;
-    chunk->stats = (IntegratorStats){0};
+    // Counted here: neighbouring chunks lie so near that threads would wait for one another.
+    IntegratorStats stats = {0};
+    uint32_t count = 0;
     for (uint64_t i = first; i < end && !renderer_stopped(r); ++i) {
         const uint64_t number = round->begin + i;
         Sampler sampler;
         sampler_start(&sampler, round->seed, round->run, (uint32_t)(number >> 32),
                       (uint32_t)number);
-        chunk->count += photon_trace(r->photons, &round->film, &sampler, &chunk->stats,
-                                     &chunk->splats[chunk->count]);
+        count += photon_trace(r->photons, &round->film, &sampler, &stats, &chunk->splats[count]);
     }
+    chunk->count = count;
+    chunk->stats = stats;
     renderer_tick(r);
 }
 
