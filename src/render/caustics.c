@@ -72,8 +72,16 @@ typedef struct Round {
     CausticPixel *pixels;
     uint32_t seed, run;
     uint64_t begin, count;
-    unsigned bands;
+    // Where bands of rows begin, each for one thread, and where the last ends.
+    int64_t borders[CAUSTIC_STRIPS + 1];
+    uint32_t bands;
 } Round;
+
+static uint32_t strip_of(const PhotonSplat *splat)
+{
+    const double strip = splat->y * CAUSTIC_STRIPS; // a little beyond the film, too
+    return strip > 0 ? (uint32_t)fmin(strip, CAUSTIC_STRIPS - 1) : 0;
+}
 
 static void trace_chunk(void *context, uint64_t item, unsigned worker)
 {
@@ -86,12 +94,17 @@ static void trace_chunk(void *context, uint64_t item, unsigned worker)
     // Counted here: neighbouring chunks lie so near that threads would wait for one another.
     IntegratorStats stats = {0};
     uint32_t count = 0;
+    memset(chunk->in_strip, 0, sizeof chunk->in_strip);
     for (uint64_t i = first; i < end && !renderer_stopped(r); ++i) {
         const uint64_t number = round->begin + i;
         Sampler sampler;
         sampler_start(&sampler, round->seed, round->run, (uint32_t)(number >> 32),
                       (uint32_t)number);
-        count += photon_trace(r->photons, &round->film, &sampler, &stats, &chunk->splats[count]);
+        PhotonSplat *splat = &chunk->splats[count];
+        if (photon_trace(r->photons, &round->film, &sampler, &stats, splat)) {
+            ++chunk->in_strip[strip_of(splat)];
+            ++count;
+        }
     }
     chunk->count = count;
     chunk->stats = stats;
@@ -130,14 +143,42 @@ static void add_light(const Band *band, double x, double y, Rgb light)
     }
 }
 
+// Bands with as much to add each: a caustic is often a small part of the picture. Which rows they
+// have changes no pixel's sum, nor its order.
+static void share_out(Round *round, unsigned threads)
+{
+    const CausticFilm *film = &round->r->caustics;
+    const int64_t height = round->r->film.height;
+    const uint64_t chunks = (round->count - 1) / CHUNK + 1;
+    uint64_t in_strip[CAUSTIC_STRIPS] = {0}, all = 0, before = 0;
+    for (uint64_t c = 0; c < chunks; ++c) {
+        for (int i = 0; i < CAUSTIC_STRIPS; ++i) {
+            in_strip[i] += film->chunks[c].in_strip[i];
+        }
+        all += film->chunks[c].count;
+    }
+    round->bands = threads < CAUSTIC_STRIPS ? threads : CAUSTIC_STRIPS;
+    uint32_t band = 0;
+    for (int i = 0; i < CAUSTIC_STRIPS; ++i) {
+        while (band < round->bands && before >= band * all / round->bands) {
+            round->borders[band++] = i * height / CAUSTIC_STRIPS;
+        }
+        before += in_strip[i];
+    }
+    while (band <= round->bands) {
+        round->borders[band++] = height;
+    }
+    round->borders[0] = 0;
+}
+
 static void add_band(void *context, uint64_t item, unsigned worker)
 {
     (void)worker;
     const Round *round = context;
     const Renderer *r = round->r;
     const int64_t width = r->film.width, height = r->film.height;
-    const Band band = {&r->filter, round->pixels, width, (int64_t)item * height / round->bands,
-                       (int64_t)(item + 1) * height / round->bands};
+    const Band band = {&r->filter, round->pixels, width, round->borders[item],
+                       round->borders[item + 1]};
     const double around = r->camera.params.projection == CAMERA_PANORAMA ? (double)width : 0;
     const float area = (float)((double)width * (double)height); // of the film, in pixels
     for (uint64_t c = 0; c * CHUNK < round->count; ++c) {
@@ -210,8 +251,7 @@ static bool trace_stream(Renderer *r, CausticPixel *pixels, uint32_t seed, Sampl
                    .film = {&r->camera, margin * r->pixel_width, margin * r->pixel_height},
                    .pixels = pixels,
                    .seed = seed ^ PHOTON_STREAM,
-                   .run = run.first,
-                   .bands = r->options.threads};
+                   .run = run.first};
     memset(pixels, 0, count * sizeof *pixels);
     for (; round.begin < photons; round.begin += round.count) {
         round.count = photons - round.begin < most ? photons - round.begin : most;
@@ -224,6 +264,7 @@ static bool trace_stream(Renderer *r, CausticPixel *pixels, uint32_t seed, Sampl
         if (renderer_stopped(r)) {
             return false;
         }
+        share_out(&round, r->options.threads);
         parallel_for(round.bands, r->options.threads, add_band, &round, NULL);
     }
     finish(pixels, count, (double)photons, run.end - run.first);

@@ -19,9 +19,13 @@ typedef struct CausticPixel {
     double square; // of the luminance: the sum of squares, and then its variance by sample
 } CausticPixel;
 
+// The film's height is cut into so many strips where what threads have to add is shared out.
+enum { CAUSTIC_STRIPS = 1024 };
+
 typedef struct PhotonChunk {
     PhotonSplat *splats;
     uint32_t count;
+    uint16_t in_strip[CAUSTIC_STRIPS]; // of these, by their places
     IntegratorStats stats;
 } PhotonChunk;
 
