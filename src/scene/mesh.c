@@ -253,6 +253,23 @@ static bool import(Scene *scene, ModuleContext *module, MeshModuleImport *run, c
     return false;
 }
 
+// What is named glTF and begins as nothing of that kind does: assimp would look for another of its
+// readers.
+static bool is_no_gltf(const char *path, const FileBytes *file)
+{
+    if (has_extension(path, "glb")) {
+        return file->size < 4 || memcmp(file->bytes, "glTF", 4) != 0;
+    }
+    if (!has_extension(path, "gltf")) {
+        return false;
+    }
+    size_t at = 0;
+    while (at < file->size && memchr(" \t\r\n", file->bytes[at], 4)) {
+        ++at;
+    }
+    return at == file->size || file->bytes[at] != '{';
+}
+
 // A binary glTF file whose first chunk is longer than the file; assimp would make room for it all.
 static bool is_cut_glb(const FileBytes *file)
 {
@@ -299,6 +316,12 @@ static void keep_for_later(const Scene *scene, const ModuleContext *module, cons
 static bool load_with_module(Scene *scene, const char *path, const FileBytes *file, bool smooth,
                              MeshReport report, Mesh *mesh)
 {
+    if (is_no_gltf(path, file)) {
+        diag_report(report.sink, E0851, report.at,
+                    "`%s` is damaged: a glTF file begins with `{`, a binary one with `glTF`",
+                    shown_path(scene, path));
+        return false;
+    }
     if (is_cut_glb(file)) {
         diag_report(report.sink, E0851, report.at,
                     "`%s` is damaged: its first chunk is longer than the file",

@@ -23,16 +23,34 @@ typedef struct OpenFile {
     struct aiFile file; // first: assimp sees this
     const char *bytes;
     size_t size, at;
+    bool gltf; // by its name
 } OpenFile;
+
+static bool is_named_gltf(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0);
+}
 
 static OpenFile *open_file(struct aiFile *file)
 {
     return (OpenFile *)(void *)file;
 }
 
+// Two of assimp's readers know glTF; where both refuse a file, assimp asks all others whether they
+// know it by words near its beginning, bytes that no reader of glTF asks for like this. What is
+// named glTF isn't theirs.
+static bool is_probe(const OpenFile *open, size_t size, size_t count)
+{
+    return open->gltf && open->at == 0 && size == 1 && count != open->size;
+}
+
 static size_t read_items(struct aiFile *file, char *out, size_t size, size_t count)
 {
     OpenFile *open = open_file(file);
+    if (is_probe(open, size, count)) {
+        return 0;
+    }
     size_t left = size ? (open->size - open->at) / size : 0;
     count = count < left ? count : left;
     memcpy(out, open->bytes + open->at, count * size);
@@ -88,6 +106,7 @@ static struct aiFile *open_for_assimp(struct aiFileIO *io, const char *path, con
     }
     open->bytes = bytes;
     open->size = size;
+    open->gltf = is_named_gltf(path);
     open->file = (struct aiFile){.ReadProc = read_items,
                                  .WriteProc = refuse_to_write,
                                  .TellProc = tell,
