@@ -506,13 +506,15 @@ static void what_is_wrong_is_said(void **state)
     write_file(&bench, "e.gltf", "{\"asset\": {\"version\": \"2.0\"}", 29);
     expect_error(&bench, "e.gltf", E0851, NULL);
     // Files of other kinds, for which assimp has readers, by names of glTF's.
-    write_file(&bench, "h.glb", "Metric (key = \"distance\") {float {1}}", 39);
+    static const char opengex[] = "Metric (key = \"distance\") {float {1}}";
+    write_file(&bench, "h.glb", opengex, strlen(opengex));
     expect_error(&bench, "h.glb", E0851,
                  "`h.glb` is damaged: a glTF file begins with `{`, a binary one with `glTF`");
     write_file(&bench, "i.gltf", "\n", 1);
     expect_error(&bench, "i.gltf", E0851,
                  "`i.gltf` is damaged: a glTF file begins with `{`, a binary one with `glTF`");
-    write_file(&bench, "j.gltf", "{} Metric VertexArray (attrib = \"position\")", 43);
+    static const char words[] = "{} Metric VertexArray (attrib = \"position\")";
+    write_file(&bench, "j.gltf", words, strlen(words));
     expect_error(&bench, "j.gltf", E0851, NULL);
     assert_non_null(strstr(bench.sink.items[0].message, "No suitable reader"));
     write_file(&bench, "f.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n", 49);
